@@ -1,0 +1,1 @@
+"""Holonom: a robot control system in Python."""

@@ -1,0 +1,125 @@
+"""The exception tree. Every message says what came, what is allowed and what to do.
+
+HolonomError
+├── InputError                bad input, found before anything runs (exit status 2)
+│   ├── CellError             a cell file: file, line, key
+│   ├── ProgramError          an ARPS program: file, line, column, caret, hint
+│   ├── ModelError            a robot description
+│   │   └── MissingInertia    dynamics asked of a robot that states no inertia
+│   ├── UnknownName           no such preset, joint, frame, unit, ...; lists what there is
+│   ├── ShapeError            an array of the wrong shape, type or with NaN
+│   ├── NotAPose              a matrix that is no rigid transform
+│   ├── OutOfLimits           a joint, speed or setting outside its limits
+│   ├── CalibrationError      too few, collinear or contradicting calibration points
+│   ├── ImageError            a photograph that is missing or not an image
+│   └── OutputError           a folder or file that cannot be written
+└── RunError                  something that failed after the start (exit status 1)
+    ├── MotionError           a motion that cannot be made: out of reach, limits, singular
+    ├── ProgramFault          a run-time error of an ARPS program, with its line
+    │   └── RunawayProgram    a loop that neither moves nor waits
+    └── DriveFault            a following error, an encoder or a drive fault
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+__all__ = [
+    "CalibrationError",
+    "CellError",
+    "DriveFault",
+    "HolonomError",
+    "ImageError",
+    "InputError",
+    "MissingInertia",
+    "ModelError",
+    "MotionError",
+    "NotAPose",
+    "OutOfLimits",
+    "OutputError",
+    "ProgramError",
+    "ProgramFault",
+    "RunError",
+    "RunawayProgram",
+    "ShapeError",
+    "UnknownName",
+]
+
+
+class HolonomError(Exception):
+    """Root of every error that Holonom raises on purpose."""
+
+
+class InputError(HolonomError, ValueError):
+    """Bad input, found before anything runs. The command line ends with status 2."""
+
+
+class CellError(InputError):
+    """A cell file that cannot be used; the message names file, line and key."""
+
+
+class ProgramError(InputError):
+    """An ARPS program that does not compile; the message names file, line and column."""
+
+
+class ModelError(InputError):
+    """A robot description that is not one."""
+
+
+class MissingInertia(ModelError):
+    """Dynamics asked of a robot that states no masses and inertias."""
+
+
+class UnknownName(InputError):
+    """A name that is not in the table it was looked up in."""
+
+    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+        names = sorted(known)
+        close = difflib.get_close_matches(name, names, n=1)
+        hint = f"; did you mean {close[0]!r}?" if close else ""
+        super().__init__(f"no {kind} {name!r}; there is {', '.join(names)}{hint}")
+
+
+class ShapeError(InputError):
+    """An array of the wrong shape or type, or one that holds NaN."""
+
+
+class NotAPose(InputError):
+    """A matrix that is no rigid transform."""
+
+
+class OutOfLimits(InputError):
+    """A value outside its limits; the message names it, the value and the limits."""
+
+
+class CalibrationError(InputError):
+    """Calibration points that do not determine the camera."""
+
+
+class ImageError(InputError):
+    """A photograph that is missing or not an image."""
+
+
+class OutputError(InputError):
+    """A folder or file that cannot be written."""
+
+
+class RunError(HolonomError):
+    """Something that failed after the start. The command line ends with status 1."""
+
+
+class MotionError(RunError):
+    """A motion that cannot be made."""
+
+
+class ProgramFault(RunError):
+    """A run-time error of an ARPS program; the message names file, line and cause."""
+
+
+class RunawayProgram(ProgramFault):
+    """A program that loops without a motion or a wait."""
+
+
+class DriveFault(RunError):
+    """A servo axis that had to stop: following error, encoder or drive fault."""
