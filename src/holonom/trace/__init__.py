@@ -1,1 +1,45 @@
-"""."""
+"""The kernel compiler: equations over scalars, traced once, compiled to straight-line SIMD code.
+
+================  =======================================================================
+`compile`         equation -> `Kernel` (batch form, one-sample form, C pointer)
+`sin`, `cos`, ... functions for equations; they work on floats and on traced scalars
+`Graph`           the expression graph, simplified while it is built
+`cache_folder`    where generated modules lie
+================  =======================================================================
+"""
+
+from holonom.trace.cache import cache_folder
+from holonom.trace.functions import (
+    absolute,
+    atan2,
+    cos,
+    less,
+    less_equal,
+    maximum,
+    minimum,
+    select,
+    sin,
+    sqrt,
+)
+from holonom.trace.graph import Condition, Graph, Number, Scalar
+from holonom.trace.kernel import Kernel, compile
+
+__all__ = [
+    "Condition",
+    "Graph",
+    "Kernel",
+    "Number",
+    "Scalar",
+    "absolute",
+    "atan2",
+    "cache_folder",
+    "compile",
+    "cos",
+    "less",
+    "less_equal",
+    "maximum",
+    "minimum",
+    "select",
+    "sin",
+    "sqrt",
+]

@@ -1,0 +1,224 @@
+"""From an equation to a compiled kernel."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.errors import ShapeError
+from holonom.trace.cache import load_module
+from holonom.trace.emit import LANES, Field, emit_block, emit_pointer, emit_single, straight_line
+from holonom.trace.graph import Graph, Scalar
+
+__all__ = ["Kernel", "compile"]
+
+Array = NDArray[Any]
+Shape = int | tuple[int, ...]
+
+
+def compile(
+    equation: Callable[..., Any],
+    inputs: Mapping[str, Shape],
+    outputs: Mapping[str, Shape],
+    *,
+    name: str,
+    integers: Sequence[str] = (),
+) -> Kernel:
+    """Trace an equation once and return its kernel; machine code is made on first use, or loaded from the cache.
+
+    Parameters
+    ----------
+    equation
+        Function of one sequence of scalars per input; an input of shape (r, c) comes as a flat sequence of r*c numbers, row
+        by row. It returns one flat sequence per output (for one output: that sequence itself).
+    inputs, outputs
+        Name -> shape of one sample: 6, or (4, 4).
+    name
+        Title and file name of the generated module.
+    integers
+        Outputs that hold small integers and are stored as int8.
+    """
+    graph = Graph()
+    ins = [_field(key, shape, key in integers) for key, shape in inputs.items()]
+    outs = [_field(key, shape, key in integers) for key, shape in outputs.items()]
+    raw = equation(*([graph.input(f.name, k) for k in range(f.width)] for f in ins))
+    values = [raw] if len(outs) == 1 else list(raw)
+    results: dict[str, list[Scalar]] = {}
+    for f, value in zip(outs, values, strict=True):
+        scalars = [v if isinstance(v, Scalar) else graph.constant(float(v)) for v in value]
+        if len(scalars) != f.width:
+            raise ShapeError(f"equation {name!r} gives {len(scalars)} numbers for {f.name!r}; {f.width} were declared")
+        results[f.name] = scalars
+    return Kernel(name, tuple(ins), tuple(outs), graph, results)
+
+
+def _field(name: str, shape: Shape, integer: bool) -> Field:
+    return Field(name, (shape,) if isinstance(shape, int) else tuple(shape), integer)
+
+
+class Kernel:
+    """A compiled equation of one robot.
+
+    Call it with one array per input: one sample each (its own shape) or a batch of rows (leading axes before it).
+    `kernel.single(in1, ..., out1, ...)` is the fastest way for one sample: C-contiguous float64 arrays of exactly the
+    declared shapes, outputs given; it returns 0, 1 (wrong shape) or 2 (NaN or infinity among the inputs).
+    """
+
+    def __init__(
+        self,
+        name: str,
+        inputs: tuple[Field, ...],
+        outputs: tuple[Field, ...],
+        graph: Graph,
+        results: Mapping[str, list[Scalar]],
+    ) -> None:
+        self.name, self.inputs, self.outputs = name, inputs, outputs
+        self._body = straight_line(graph, [s for values in results.values() for s in values])
+        self._results = {key: [f"t{s.i}" for s in values] for key, values in results.items()}
+        self._allocate = [(f.shape, np.dtype(np.int8 if f.integer else np.float64)) for f in outputs]
+
+    @property
+    def operations(self) -> int:
+        """Live operations after simplification."""
+        return len(self._body)
+
+    @property
+    def source(self) -> str:
+        """Readable text of the one-sample form."""
+        return self._text(emit_single)
+
+    @property
+    def block_source(self) -> str:
+        """Readable text of the batch form."""
+        return self._text(emit_block)
+
+    def _text(self, emit: Callable[..., str]) -> str:
+        return emit(self.name, self._body, self.inputs, self.outputs, self._results)
+
+    @functools.cached_property
+    def single(self) -> Callable[..., int]:
+        """The compiled one-sample form (see the class)."""
+        return load_module(f"{self.name}_single", self._text(emit_single)).single
+
+    @functools.cached_property
+    def rows(self) -> Callable[..., float]:
+        """The compiled batch form: `rows(in1 (N, w), ..., out1 (N, v), ..., first, last)`; not 0.0 if NaN came in."""
+        return load_module(f"{self.name}_rows", self._text(emit_block)).rows
+
+    @functools.cached_property
+    def address(self) -> int:
+        """Address of the C form `void(double* inputs, double* outputs)`, for compiled loops over any robot."""
+        return load_module(f"{self.name}_pointer", self._text(emit_pointer)).pointer.address
+
+    def __call__(self, *arrays: Any, out: Any = None, threads: int = 1) -> Any:
+        """Evaluate one sample or a batch.
+
+        Parameters
+        ----------
+        *arrays
+            One per input, `(..., *shape)`; leading axes broadcast.
+        out
+            Array (or tuple of arrays, for several outputs) to write into, C-contiguous, of the result's shape.
+        threads
+            Threads that share a batch.
+
+        Returns
+        -------
+        The output array, or a tuple of them.
+
+        Raises
+        ------
+        ShapeError
+            Wrong shape or type, NaN or infinity: the message names the input and the row.
+        """
+        if out is None:
+            results = [np.empty(shape, dtype) for shape, dtype in self._allocate]
+        else:
+            results = out if isinstance(out, tuple) else (out,)
+        try:
+            status = self.single(*arrays, *results)
+        except TypeError:
+            status = 1
+        if status:
+            return self._general(arrays, out, threads)
+        return results[0] if len(results) == 1 else tuple(results)
+
+    def _general(self, arrays: Sequence[Any], out: Any, threads: int) -> Any:
+        """Check, broadcast and evaluate whatever the one-sample form did not take."""
+        if len(arrays) != len(self.inputs):
+            raise ShapeError(
+                f"{self.name} takes {len(self.inputs)} arrays ({', '.join(f.name for f in self.inputs)}); "
+                f"{len(arrays)} came"
+            )
+        rows, lead = self._rows_of(arrays)
+        count = rows[0].shape[0]
+        if out is None:
+            results = [np.empty((*lead, *shape), dtype) for shape, dtype in self._allocate]
+        else:
+            results = list(out if isinstance(out, tuple) else (out,))
+            self._check_out(results, lead)
+        flat = [r.reshape(count, f.width) for r, f in zip(results, self.outputs, strict=True)]
+        if count and self._evaluate(rows, flat, count, threads) != 0.0:
+            self._name_nonfinite(rows, lead)
+        return results[0] if len(results) == 1 else tuple(results)
+
+    def _rows_of(self, arrays: Sequence[Any]) -> tuple[list[Array], tuple[int, ...]]:
+        """Return the inputs as C-contiguous rows (N, width) and the leading axes they share."""
+        given = []
+        for f, a in zip(self.inputs, arrays, strict=True):
+            try:
+                given.append(np.asarray(a, dtype=np.float64))
+            except (TypeError, ValueError) as problem:
+                raise ShapeError(f"{f.name} holds something that is not a number: {problem}") from None
+        for f, a in zip(self.inputs, given, strict=True):
+            if a.shape[max(a.ndim - len(f.shape), 0) :] != f.shape:
+                wanted = ", ".join(["...", *map(str, f.shape)])
+                raise ShapeError(f"{f.name} has shape {a.shape}; ({wanted}) is needed")
+        leads = [a.shape[: a.ndim - len(f.shape)] for f, a in zip(self.inputs, given, strict=True)]
+        try:
+            lead = np.broadcast_shapes(*leads)
+        except ValueError:
+            named = ", ".join(f"{f.name} {a.shape}" for f, a in zip(self.inputs, given, strict=True))
+            raise ShapeError(f"leading axes do not go together: {named}") from None
+        count = int(np.prod(lead, dtype=np.int64))
+        rows = []
+        for f, a in zip(self.inputs, given, strict=True):
+            whole = np.broadcast_to(a, (*lead, *f.shape)).reshape(count, f.width)
+            writable = np.ascontiguousarray(whole)
+            rows.append(writable if writable.flags.writeable else writable.copy())
+        return rows, lead
+
+    def _check_out(self, results: Sequence[Any], lead: tuple[int, ...]) -> None:
+        if len(results) != len(self.outputs):
+            raise ShapeError(f"out= takes {len(self.outputs)} arrays for {self.name}; {len(results)} came")
+        for f, r, (shape, dtype) in zip(self.outputs, results, self._allocate, strict=True):
+            good = isinstance(r, np.ndarray) and r.shape == (*lead, *shape) and r.dtype == dtype
+            if not good or not r.flags.c_contiguous or not r.flags.writeable:
+                came = f"{r.dtype} {r.shape}" if isinstance(r, np.ndarray) else type(r).__name__
+                raise ShapeError(
+                    f"out= for {f.name} must be a writeable C-contiguous {dtype} array of shape {(*lead, *shape)}; "
+                    f"{came} came"
+                )
+
+    def _evaluate(self, rows: Sequence[Array], flat: Sequence[Array], count: int, threads: int) -> float:
+        blocks = -(-count // LANES)
+        parts = max(1, min(threads, blocks))
+        if parts == 1:
+            return self.rows(*rows, *flat, 0, count)
+        edges = [min(count, LANES * (blocks * k // parts)) for k in range(parts + 1)]
+        with ThreadPoolExecutor(parts) as pool:
+            checks = pool.map(lambda k: self.rows(*rows, *flat, edges[k], edges[k + 1]), range(parts))
+            return sum(checks)
+
+    def _name_nonfinite(self, rows: Sequence[Array], lead: tuple[int, ...]) -> None:
+        for f, a in zip(self.inputs, rows, strict=True):
+            bad = np.argwhere(~np.isfinite(a))
+            if bad.size:
+                row, slot = bad[0]
+                place = f" in row {tuple(int(k) for k in np.unravel_index(row, lead))}" if lead else ""
+                raise ShapeError(f"{f.name}[{slot}] is {a[row, slot]}{place}; finite numbers are needed")
