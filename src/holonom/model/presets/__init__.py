@@ -1,1 +1,33 @@
-"""."""
+"""Presets: one file each, one line in this table."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+from holonom.errors import UnknownName
+from holonom.model.arm import ArmModel
+
+__all__ = ["PRESETS", "preset", "preset_names"]
+
+PRESETS = {
+    "puma560": "Unimation Puma 560, Corke and Armstrong's consensus parameters",
+}
+
+
+def preset_names() -> tuple[str, ...]:
+    """Return the names that `preset` knows."""
+    return tuple(PRESETS)
+
+
+def preset(name: str) -> ArmModel:
+    """Return a preset arm.
+
+    Raises
+    ------
+    UnknownName
+        No such preset; the message lists them.
+    """
+    if name not in PRESETS:
+        raise UnknownName("arm preset", name, PRESETS)
+    found: ArmModel = import_module(f"holonom.model.presets.{name}").model()
+    return found

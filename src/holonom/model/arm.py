@@ -1,0 +1,126 @@
+"""What an arm is: frozen data, no algorithms beyond checking itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.errors import ModelError
+
+__all__ = ["ArmModel", "Body", "Friction", "Joint", "JointLimits", "Motor", "constant_transform"]
+
+Array = NDArray[np.float64]
+Transform = tuple[tuple[float, ...], ...]
+"""A constant 4x4 pose as nested tuples, so that a model is hashable and its repr is complete."""
+
+IDENTITY: Transform = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+
+
+def constant_transform(matrix: Array | Transform) -> Transform:
+    """Return a 4x4 matrix as nested tuples of floats, rounding noise below 1e-15 taken as zero.
+
+    Raises
+    ------
+    ModelError
+        Not a rigid transform.
+    """
+    T = np.array(matrix, dtype=float)
+    if T.shape != (4, 4) or not np.isfinite(T).all():
+        raise ModelError(f"a pose is a finite 4x4 matrix; shape {T.shape} came")
+    R = T[:3, :3]
+    if np.abs(R @ R.T - np.eye(3)).max() > 1e-9 or np.linalg.det(R) < 0 or np.abs(T[3] - [0, 0, 0, 1]).max() > 0:
+        raise ModelError("a pose needs a rotation matrix (R R^T = I, det R = 1) over the row 0 0 0 1")
+    T[np.abs(T) < 1e-15] = 0.0
+    return tuple(tuple(float(x) for x in row) for row in T)
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """A link's mass (kg), centre of mass (m) and inertia about that centre (kg m2), in its link frame.
+
+    `inertia` is (Ixx, Iyy, Izz, Ixy, Iyz, Ixz).
+    """
+
+    mass: float
+    com: tuple[float, float, float]
+    inertia: tuple[float, float, float, float, float, float]
+
+    def __post_init__(self) -> None:
+        if not self.mass >= 0.0:
+            raise ModelError(f"mass is {self.mass} kg; it must not be negative")
+
+
+@dataclass(frozen=True, slots=True)
+class Motor:
+    """What drives a joint. Signs: motor angle = gear_ratio * joint angle.
+
+    Torque constant in N m/A (= back-EMF constant in V s/rad), resistance in ohm, inductance in H, inertia in kg m2 at the
+    motor, voltage in V, current in A.
+    """
+
+    gear_ratio: float
+    rotor_inertia: float
+    torque_constant: float = 0.0
+    resistance: float = 0.0
+    inductance: float = 0.0
+    max_voltage: float = 0.0
+    max_current: float = 0.0
+    encoder_counts: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Friction:
+    """Joint-side friction: viscous (N m s/rad) and Coulomb torque magnitudes for positive and negative speed (N m)."""
+
+    viscous: float
+    coulomb_positive: float
+    coulomb_negative: float
+
+
+@dataclass(frozen=True, slots=True)
+class JointLimits:
+    """Position (rad or m), speed, acceleration and torque limits; infinite where none is stated."""
+
+    lower: float = -np.inf
+    upper: float = np.inf
+    speed: float = np.inf
+    acceleration: float = np.inf
+    torque: float = np.inf
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """`T_(i-1)i(q) = before @ motion(q) @ after`; motion turns about or slides along z."""
+
+    name: str
+    kind: Literal["revolute", "prismatic"]
+    before: Transform = IDENTITY
+    after: Transform = IDENTITY
+    limits: JointLimits = JointLimits()
+    motor: Motor | None = None
+    friction: Friction | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ArmModel:
+    """A serial arm. `base` is T_w0, `tool` is T_nt, `gravity` in m/s2 in the world."""
+
+    name: str
+    joints: tuple[Joint, ...]
+    bodies: tuple[Body, ...] | None = None
+    base: Transform = IDENTITY
+    tool: Transform = IDENTITY
+    gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
+    poses: dict[str, tuple[float, ...]] = field(default_factory=dict, hash=False)
+    card: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.joints:
+            raise ModelError(f"arm {self.name!r} has no joints")
+        if self.bodies is not None and len(self.bodies) != len(self.joints):
+            raise ModelError(
+                f"arm {self.name!r} has {len(self.joints)} joints and {len(self.bodies)} bodies; one body per joint is needed"
+            )
