@@ -1,0 +1,120 @@
+"""Which message has which layout, for writing and, from a first message, for reading."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from holonom.app.recording.cdr import CdrReader, CdrWriter, Layout
+from holonom.signals import Event
+
+__all__ = [
+    "LEVELS",
+    "WORLD",
+    "JointMessage",
+    "array_layout",
+    "array_size",
+    "joint_layout",
+    "joint_message",
+    "log_event",
+    "log_message",
+    "pose_layout",
+    "transform_layout",
+    "transform_names",
+]
+
+WORLD = "world"
+LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40}
+
+
+class JointMessage(NamedTuple):
+    """What fixes the layout of a JointState: names, and how many of the three arrays are filled."""
+
+    names: tuple[str, ...]
+    arrays: int
+
+
+def joint_layout(kind: JointMessage) -> Layout:
+    """sensor_msgs/JointState; open: position, velocity, effort, the first `arrays` of them."""
+    n = len(kind.names)
+    out = CdrWriter().stamp().text("").uint32(n)
+    for name in kind.names:
+        out.text(name)
+    for array in range(3):
+        count = n if array < kind.arrays else 0
+        out.uint32(count).doubles(count)
+    return out.layout()
+
+
+def joint_message(message: bytes) -> JointMessage:
+    """Names and filled arrays of a sensor_msgs/JointState."""
+    data = CdrReader(message)
+    data.stamp()
+    data.text()
+    names = tuple(data.text() for _ in range(data.uint32()))
+    arrays = 0
+    for _ in range(3):
+        count = data.uint32()
+        data.skip_doubles(count)
+        arrays += count > 0
+    return JointMessage(names, arrays)
+
+
+def array_layout(count: int) -> Layout:
+    """std_msgs/Float64MultiArray of one dimension, the axes; open: the numbers."""
+    out = CdrWriter().uint32(1).text("axis").uint32(count).uint32(count).uint32(0)
+    return out.uint32(count).doubles(count).layout()
+
+
+def array_size(message: bytes) -> int:
+    """How many numbers a message of `array_layout` holds."""
+    data = CdrReader(message)
+    data.uint32()
+    data.text()
+    return data.uint32()
+
+
+def transform_layout(names: Sequence[str]) -> Layout:
+    """tf2_msgs/TFMessage, world to each name; open: x y z and quaternion x y z w of each."""
+    out = CdrWriter().uint32(len(names))
+    for name in names:
+        out.stamp().text(WORLD).text(name).doubles(7)
+    return out.layout()
+
+
+def transform_names(message: bytes) -> tuple[str, ...]:
+    """Child frames of a tf2_msgs/TFMessage."""
+    data = CdrReader(message)
+    names = []
+    for _ in range(data.uint32()):
+        data.stamp()
+        data.text()
+        names.append(data.text())
+        data.skip_doubles(7)
+    return tuple(names)
+
+
+def pose_layout() -> Layout:
+    """geometry_msgs/PoseStamped in the world; open: x y z and quaternion x y z w."""
+    return CdrWriter().stamp().text(WORLD).doubles(7).layout()
+
+
+def log_message(nanoseconds: int, event: Event) -> bytes:
+    """rcl_interfaces/Log; the text ends with the program line, where there is one."""
+    out = CdrWriter().stamp(nanoseconds).byte(LEVELS[event.level]).text(event.source)
+    return out.text(event.text + _line_note(event.line)).text("").text("").uint32(event.line).message()
+
+
+def log_event(message: bytes) -> Event:
+    """Event that `log_message` wrote."""
+    data = CdrReader(message)
+    nanoseconds, number, source, text = data.stamp(), data.byte(), data.text(), data.text()
+    data.text()
+    data.text()
+    line = data.uint32()
+    level = next(name for name, value in LEVELS.items() if value == number)
+    return Event(nanoseconds / 1e9, level, source, text.removesuffix(_line_note(line)), line)
+
+
+def _line_note(line: int) -> str:
+    return f" (line {line})" if line else ""

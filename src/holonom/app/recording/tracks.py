@@ -1,0 +1,83 @@
+"""A recording as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.signals import Event, Signal
+
+__all__ = ["DriveTrack", "FrameTrack", "JointTrack", "Recording"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class JointTrack:
+    """Joints over time: `time` (N,) in s; `position`, `velocity`, `effort` (N, n) in rad, rad/s, N m.
+
+    A track of references has no effort: (N, 0).
+    """
+
+    time: Array
+    position: Array
+    velocity: Array
+    effort: Array
+
+
+@dataclass(frozen=True, slots=True)
+class DriveTrack:
+    """Motors over time: `time` (N,) in s, `current` (N, n) in A, `voltage` (N, n) in V."""
+
+    time: Array
+    current: Array
+    voltage: Array
+
+
+@dataclass(frozen=True, slots=True)
+class FrameTrack:
+    """A frame in world over time: `time` (N,) in s, `position` (N, 3) in m, `quaternion` (N, 4) x y z w."""
+
+    time: Array
+    position: Array
+    quaternion: Array
+
+    def poses(self) -> Array:
+        """T_wx as matrices (N, 4, 4)."""
+        x, y, z, w = self.quaternion.T
+        out = np.zeros((len(self.time), 4, 4))
+        out[:, 0, 0], out[:, 1, 1], out[:, 2, 2] = (
+            1 - 2 * (y * y + z * z),
+            1 - 2 * (x * x + z * z),
+            1 - 2 * (x * x + y * y),
+        )
+        out[:, 0, 1], out[:, 1, 0] = 2 * (x * y - z * w), 2 * (x * y + z * w)
+        out[:, 0, 2], out[:, 2, 0] = 2 * (x * z + y * w), 2 * (x * z - y * w)
+        out[:, 1, 2], out[:, 2, 1] = 2 * (y * z - x * w), 2 * (y * z + x * w)
+        out[:, :3, 3] = self.position
+        out[:, 3, 3] = 1.0
+        return out
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """All that a run recorded; tracks have their own times, and are empty (N = 0) where nothing came."""
+
+    joint_names: tuple[str, ...]
+    joints: JointTrack
+    reference: JointTrack
+    drives: DriveTrack
+    tool: FrameTrack
+    frames: Mapping[str, FrameTrack]
+    signals: tuple[Signal, ...]
+    events: tuple[Event, ...]
+
+    def end(self) -> float:
+        """Time of the last record, s; 0 for an empty recording."""
+        times = [self.joints.time, self.reference.time, self.drives.time]
+        times += [frame.time for frame in self.frames.values()]
+        last = [float(time[-1]) for time in times if len(time)]
+        return max(last + [record.time for record in (*self.signals[-1:], *self.events[-1:])], default=0.0)
