@@ -1,1 +1,69 @@
-"""Holonom: a robot control system in Python."""
+"""Holonom: a robot control system, from a joint motor to a robot program.
+
+>>> import holonom as hm
+>>> arm = hm.load_arm("puma560")
+>>> T = arm.fk([0.0, 0.7, -2.8, 0.0, 0.5, 0.0])
+
+=================  ==============================================================
+`load_arm`         a preset arm; `arm_from_dh` one of your own
+`hm.mechanics`     kinematics, dynamics, motion
+`hm.trace`         the kernel compiler
+`hm.model`         robot descriptions
+`hm.devices`       motors, gears, friction, encoders
+`hm.control`       regulators, servo cascade, computed torque
+`hm.vision`        camera over a table, coins
+`hm.lang`          the ARPS robot language
+`hm.sim`           the simulated cell
+=================  ==============================================================
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+from holonom import errors, signals
+
+if TYPE_CHECKING:
+    from holonom import control, devices, lang, mechanics, model, sim, spatial, trace, vision
+    from holonom.mechanics import Arm, arm_from_dh, load_arm
+    from holonom.model import DHRow
+
+__version__ = "0.1.0"
+_SUBPACKAGES = ("control", "devices", "lang", "mechanics", "model", "sim", "spatial", "trace", "vision")
+_LAZY = {
+    "Arm": "holonom.mechanics",
+    "DHRow": "holonom.model",
+    "arm_from_dh": "holonom.mechanics",
+    "load_arm": "holonom.mechanics",
+}
+__all__ = [
+    "Arm",
+    "DHRow",
+    "arm_from_dh",
+    "control",
+    "devices",
+    "errors",
+    "lang",
+    "load_arm",
+    "mechanics",
+    "model",
+    "signals",
+    "sim",
+    "spatial",
+    "trace",
+    "vision",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Load subpackages on first use: `import holonom` stays light."""
+    if name in _SUBPACKAGES:
+        return importlib.import_module(f"holonom.{name}")
+    if name in _LAZY:
+        return getattr(importlib.import_module(_LAZY[name]), name)
+    raise AttributeError(f"module 'holonom' has no attribute {name!r}; it has {', '.join(__all__)}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__version__"])

@@ -7,7 +7,16 @@
 =====================  ==========================================================
 """
 
-from holonom.model.arm import ArmModel, Body, Friction, Joint, JointLimits, Motor, Transform, constant_transform
+from holonom.model.arm import (
+    ArmModel,
+    Body,
+    Friction,
+    Joint,
+    JointLimits,
+    Motor,
+    Transform,
+    constant_transform,
+)
 from holonom.model.dh import DHRow, arm_model_from_dh, joint_from_dh
 from holonom.model.presets import preset, preset_names
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -31,7 +32,11 @@ def constant_transform(matrix: Array | Transform) -> Transform:
     if T.shape != (4, 4) or not np.isfinite(T).all():
         raise ModelError(f"a pose is a finite 4x4 matrix; shape {T.shape} came")
     R = T[:3, :3]
-    if np.abs(R @ R.T - np.eye(3)).max() > 1e-9 or np.linalg.det(R) < 0 or np.abs(T[3] - [0, 0, 0, 1]).max() > 0:
+    if (
+        np.abs(R @ R.T - np.eye(3)).max() > 1e-9
+        or np.linalg.det(R) < 0
+        or np.abs(T[3] - [0, 0, 0, 1]).max() > 0
+    ):
         raise ModelError("a pose needs a rotation matrix (R R^T = I, det R = 1) over the row 0 0 0 1")
     T[np.abs(T) < 1e-15] = 0.0
     return tuple(tuple(float(x) for x in row) for row in T)
@@ -114,7 +119,7 @@ class ArmModel:
     base: Transform = IDENTITY
     tool: Transform = IDENTITY
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
-    poses: dict[str, tuple[float, ...]] = field(default_factory=dict, hash=False)
+    poses: Mapping[str, tuple[float, ...]] = field(default_factory=dict, hash=False)
     card: str = ""
 
     def __post_init__(self) -> None:

@@ -66,7 +66,9 @@ def joint_transforms(row: DHRow, convention: Convention) -> tuple[Transform, Tra
     raise UnknownName("DH convention", str(convention), ("standard", "modified"))
 
 
-def joint_from_dh(name: str, row: DHRow, convention: Convention, limits: JointLimits = JointLimits()) -> Joint:
+def joint_from_dh(
+    name: str, row: DHRow, convention: Convention, limits: JointLimits = JointLimits()
+) -> Joint:
     """Return a joint from its DH row."""
     before, after = joint_transforms(row, convention)
     return Joint(name, row.kind, before, after, limits)
@@ -85,6 +87,7 @@ def arm_model_from_dh(
     if len(bounds) != len(rows):
         raise ModelError(f"{len(rows)} DH rows and {len(bounds)} limits; one each is needed")
     joints = tuple(
-        joint_from_dh(f"joint{k + 1}", row, convention, bound) for k, (row, bound) in enumerate(zip(rows, bounds, strict=True))
+        joint_from_dh(f"joint{k + 1}", row, convention, bound)
+        for k, (row, bound) in enumerate(zip(rows, bounds, strict=True))
     )
     return ArmModel(name, joints, None if bodies is None else tuple(bodies))

@@ -1,1 +1,14 @@
-"""."""
+"""Poses: checks and the few constructions that SciPy's `Rotation` does not have.
+
+Rotation arithmetic is SciPy's (`scipy.spatial.transform.Rotation`); a pose is a 4x4 array `T_ab`.
+
+===================  ==============================================
+`check_pose`         is it a rigid transform?
+`inverse`            T_ba from T_ab
+`pose`               from a position and a rotation matrix
+===================  ==============================================
+"""
+
+from holonom.spatial.poses import check_pose, inverse, pose
+
+__all__ = ["check_pose", "inverse", "pose"]

@@ -81,6 +81,10 @@ def _indent(lines: Sequence[str], depth: int) -> str:
     return "".join(" " * (4 * depth) + line + "\n" for line in lines)
 
 
+def _slices(shape: tuple[int, ...]) -> str:
+    return ", ".join([":"] * (len(shape) - 1) + ["::1"])
+
+
 def _index(shape: tuple[int, ...], slot: int) -> str:
     places = []
     for size in reversed(shape):
@@ -90,7 +94,11 @@ def _index(shape: tuple[int, ...], slot: int) -> str:
 
 
 def emit_block(
-    title: str, body: Sequence[str], inputs: Sequence[Field], outputs: Sequence[Field], results: Mapping[str, list[str]]
+    title: str,
+    body: Sequence[str],
+    inputs: Sequence[Field],
+    outputs: Sequence[Field],
+    results: Mapping[str, list[str]],
 ) -> str:
     """Return the module of the batch form: `rows(in1 (N, w1), ..., out1 (N, v1), ..., start, stop) -> check`."""
     n_in = sum(f.width for f in inputs)
@@ -134,12 +142,15 @@ def emit_block(
 
 
 def emit_single(
-    title: str, body: Sequence[str], inputs: Sequence[Field], outputs: Sequence[Field], results: Mapping[str, list[str]]
+    title: str,
+    body: Sequence[str],
+    inputs: Sequence[Field],
+    outputs: Sequence[Field],
+    results: Mapping[str, list[str]],
 ) -> str:
     """Return the module of the one-sample form: `single(in1, ..., out1, ...) -> status`; 0 is fine."""
     arguments = ", ".join(f.name for f in (*inputs, *outputs))
-    dims = lambda f: ", ".join([":"] * (len(f.shape) - 1) + ["::1"])  # noqa: E731
-    kinds = ", ".join(f"types.{'int8' if f.integer else 'float64'}[{dims(f)}]" for f in (*inputs, *outputs))
+    kinds = ", ".join(f"types.{'int8' if f.integer else 'float64'}[{_slices(f.shape)}]" for f in (*inputs, *outputs))
     shapes = [f"{f.name}.shape[{k}] != {size}" for f in (*inputs, *outputs) for k, size in enumerate(f.shape)]
     loads = [f"{f.name}_{k} = {f.name}[{_index(f.shape, k)}]" for f in inputs for k in range(f.width)]
     names = " + ".join(f"{f.name}_{k}" for f in inputs for k in range(f.width))
@@ -160,7 +171,11 @@ def emit_single(
 
 
 def emit_pointer(
-    title: str, body: Sequence[str], inputs: Sequence[Field], outputs: Sequence[Field], results: Mapping[str, list[str]]
+    title: str,
+    body: Sequence[str],
+    inputs: Sequence[Field],
+    outputs: Sequence[Field],
+    results: Mapping[str, list[str]],
 ) -> str:
     """Return the module of the C form: `pointer(double* in, double* out)`, all inputs then all outputs in a row."""
     names = [f"{f.name}_{k}" for f in inputs for k in range(f.width)]

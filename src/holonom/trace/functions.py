@@ -27,8 +27,8 @@ def _unary(name: str, x: Scalar) -> Scalar:
 def _pair(a: Number, b: Number) -> tuple[Scalar, Scalar]:
     """Return both as scalars of the graph that at least one of them belongs to."""
     graph = a.graph if isinstance(a, Scalar) else b.graph  # type: ignore[union-attr]
-    lift = lambda x: x if isinstance(x, Scalar) else graph.constant(float(x))  # noqa: E731
-    return lift(a), lift(b)
+    p = a if isinstance(a, Scalar) else graph.constant(float(a))
+    return p, b if isinstance(b, Scalar) else graph.constant(float(b))
 
 
 def sin(x: Number) -> Number:

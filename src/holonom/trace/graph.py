@@ -72,7 +72,9 @@ class Condition(_Value):
     __rand__, __ror__ = __and__, __or__
 
     def __bool__(self) -> bool:
-        raise TypeError("a traced condition has no value yet: use trace.select(condition, a, b) instead of if")
+        raise TypeError(
+            "a traced condition has no value yet: use trace.select(condition, a, b) instead of if"
+        )
 
 
 class Scalar(_Value):
@@ -191,7 +193,9 @@ class Scalar(_Value):
 
     def __float__(self) -> float:
         if self.value is None:
-            raise TypeError("a traced scalar has no value yet: use holonom.trace functions, not math or numpy")
+            raise TypeError(
+                "a traced scalar has no value yet: use holonom.trace functions, not math or numpy"
+            )
         return self.value
 
 

@@ -52,7 +52,9 @@ def compile(
     for f, value in zip(outs, values, strict=True):
         scalars = [v if isinstance(v, Scalar) else graph.constant(float(v)) for v in value]
         if len(scalars) != f.width:
-            raise ShapeError(f"equation {name!r} gives {len(scalars)} numbers for {f.name!r}; {f.width} were declared")
+            raise ShapeError(
+                f"equation {name!r} gives {len(scalars)} numbers for {f.name!r}; {f.width} were declared"
+            )
         results[f.name] = scalars
     return Kernel(name, tuple(ins), tuple(outs), graph, results)
 
@@ -81,6 +83,8 @@ class Kernel:
         self._body = straight_line(graph, [s for values in results.values() for s in values])
         self._results = {key: [f"t{s.i}" for s in values] for key, values in results.items()}
         self._allocate = [(f.shape, np.dtype(np.int8 if f.integer else np.float64)) for f in outputs]
+        plain = len(outputs) == 1 and not outputs[0].integer
+        self._only_shape = outputs[0].shape if plain else None
 
     @property
     def operations(self) -> int:
@@ -136,17 +140,23 @@ class Kernel:
         ShapeError
             Wrong shape or type, NaN or infinity: the message names the input and the row.
         """
-        if out is None:
-            results = [np.empty(shape, dtype) for shape, dtype in self._allocate]
-        else:
-            results = out if isinstance(out, tuple) else (out,)
-        try:
-            status = self.single(*arrays, *results)
-        except TypeError:
-            status = 1
-        if status:
+        if self._only_shape is not None:  # one output, the common case: no tuple is made
+            result = np.empty(self._only_shape) if out is None else out
+            try:
+                if self.single(*arrays, result) == 0:
+                    return result
+            except TypeError:
+                pass
             return self._general(arrays, out, threads)
-        return results[0] if len(results) == 1 else tuple(results)
+        results = (
+            tuple(np.empty(shape, dtype) for shape, dtype in self._allocate) if out is None else tuple(out)
+        )
+        try:
+            if self.single(*arrays, *results) == 0:
+                return results
+        except TypeError:
+            pass
+        return self._general(arrays, out, threads)
 
     def _general(self, arrays: Sequence[Any], out: Any, threads: int) -> Any:
         """Check, broadcast and evaluate whatever the one-sample form did not take."""

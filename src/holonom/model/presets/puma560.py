@@ -15,7 +15,8 @@ ASSUMED, not confirmed by a publication we could read: armature inductance (a fe
 electrical time constants of 1.6 ms and 0.9 ms), encoder lines (1000 lines, 4000 counts after fourfold decoding), acceleration limits
 (about half of what peak torque gives against the configuration's largest inertia; a controller setting, not hardware).
 
-With 40 V the motors of joints 1, 4, 5 and 6 lose headroom near rated speed: see `docs/03-drives.md`.
+What follows: at rated speed 40 V leave enough for the full current on joints 1 to 3 (34, 39 and 40 V are needed), but not on joints
+4 to 6 (about 50 V would be): their peak torque is to be had up to about half of rated speed only.
 """
 
 from __future__ import annotations
@@ -99,7 +100,9 @@ def _joint(k: int) -> Joint:
             max_current=TORQUE[k] / (gear * TORQUE_CONSTANT[k]),
             encoder_counts=ENCODER_COUNTS,
         ),
-        friction=Friction(gear**2 * MOTOR_VISCOUS[k], gear * MOTOR_COULOMB[k][0], -gear * MOTOR_COULOMB[k][1]),
+        friction=Friction(
+            gear**2 * MOTOR_VISCOUS[k], gear * MOTOR_COULOMB[k][0], -gear * MOTOR_COULOMB[k][1]
+        ),
     )
 
 

@@ -1,0 +1,338 @@
+"""`Arm`: a robot description together with its compiled equations."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from holonom.errors import InputError, ShapeError, UnknownName
+from holonom.mechanics.equations import puma_inverse
+from holonom.mechanics.equations.inertia import fixed_to_body
+from holonom.mechanics.kernels import make_kernel
+from holonom.model import ArmModel, Body, DHRow, JointLimits, arm_model_from_dh, constant_transform, preset
+from holonom.spatial import check_pose
+from holonom.trace import Kernel
+
+__all__ = ["Arm", "IkNearest", "IkResult", "IkStatus", "Limits", "arm_from_dh", "load_arm"]
+
+Array = NDArray[np.float64]
+
+
+class IkStatus(IntEnum):
+    """What became of one branch of an inverse."""
+
+    OK = puma_inverse.OK
+    UNREACHABLE = puma_inverse.UNREACHABLE
+    LIMIT = puma_inverse.LIMIT
+    SINGULAR = puma_inverse.SINGULAR
+
+
+@dataclass(frozen=True, slots=True)
+class IkResult:
+    """All branches of an inverse.
+
+    q : (..., k, n) rad; status : (..., k) int8, an `IkStatus`; names : the k branch names.
+    A SINGULAR branch reaches the pose (wrist straight: q4 is chosen 0); a LIMIT branch reaches it outside the joint limits; an
+    UNREACHABLE one does not reach it.
+    """
+
+    q: Array
+    status: NDArray[np.int8]
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class IkNearest:
+    """The branch nearest to a joint vector: q (..., n), status (...), branch (...): its number in `names`."""
+
+    q: Array
+    status: NDArray[np.int8]
+    branch: NDArray[np.int64]
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Joint limits as arrays (n,): rad, rad/s, rad/s2, N m (m, m/s, ... for prismatic joints)."""
+
+    names: tuple[str, ...]
+    lower: Array
+    upper: Array
+    speed: Array
+    acceleration: Array
+    torque: Array
+
+
+class Arm:
+    """A serial arm. Every verb broadcasts over leading axes; one sample or rows of C-contiguous float64 go the fast way.
+
+    `threads=` shares a batch; `out=` takes a result array. Kernels are compiled on first use and cached on disk;
+    `kernel(name)` hands one out for the fastest repeated calls.
+    """
+
+    def __init__(self, model: ArmModel) -> None:
+        self.model = model
+        self.n = len(model.joints)
+        self._kernels: dict[object, Kernel] = {}
+        self._has_friction = any(j.friction is not None for j in model.joints)
+        self._frame_numbers = {"base": 0, "tool": self.n + 1} | {f"link{k + 1}": k + 1 for k in range(self.n)}
+
+    def __repr__(self) -> str:
+        return f"Arm({self.model.name!r}, n={self.n})"
+
+    @property
+    def limits(self) -> Limits:
+        """Joint limits as arrays."""
+        bounds = [j.limits for j in self.model.joints]
+        rows = [(b.lower, b.upper, b.speed, b.acceleration, b.torque) for b in bounds]
+        return Limits(tuple(j.name for j in self.model.joints), *np.array(rows, dtype=float).T.copy())
+
+    def with_tool(self, tool: ArrayLike) -> Arm:
+        """Return the arm with another tool pose T_nt (4, 4)."""
+        return Arm(dataclasses.replace(self.model, tool=constant_transform(check_pose(tool, "tool"))))
+
+    def with_base(self, base: ArrayLike) -> Arm:
+        """Return the arm with another base pose T_w0 (4, 4)."""
+        return Arm(dataclasses.replace(self.model, base=constant_transform(check_pose(base, "base"))))
+
+    def with_gravity(self, gravity: Sequence[float]) -> Arm:
+        """Return the arm under another gravity (3,) in the world, m/s2."""
+        gx, gy, gz = (float(g) for g in gravity)
+        return Arm(dataclasses.replace(self.model, gravity=(gx, gy, gz)))
+
+    def with_load(self, body: Body) -> Arm:
+        """Return the arm with a body fixed to its last link (in that link's frame), such as a gripper."""
+        if self.model.bodies is None:
+            return self
+        bodies = (*self.model.bodies[:-1], fixed_to_body(self.model.bodies[-1], body))
+        return Arm(dataclasses.replace(self.model, bodies=bodies))
+
+    def kernel(self, name: str, **options: Any) -> Kernel:
+        """Return a compiled equation: "fk", "frames", "jacobian", "inverse_dynamics", "forward_dynamics", ....
+
+        Options are those of the verb: `frame=` (a frame number for "fk"), `friction=`, `wrench_frame=`. The fastest call is
+        `kernel.single(q, ..., out)`: see `holonom.trace.Kernel`.
+        """
+        if name in ("inverse_dynamics", "forward_dynamics"):
+            options = {"friction": self._has_friction, "wrench_frame": None} | options
+        elif name == "fk":
+            options = {"frame": self.n + 1} | options
+        elif name == "jacobian":
+            options = {"frame": "world"} | options
+        key = (name, *sorted(options.items()))
+        if key not in self._kernels:
+            self._kernels[key] = make_kernel(name, self.model, options)
+        return self._kernels[key]
+
+    def fk(self, q: ArrayLike, frame: str = "tool", *, out: Array | None = None, threads: int = 1) -> Array:
+        """Forward kinematics.
+
+        Parameters
+        ----------
+        q : (..., n) rad or m.
+        frame : "tool", "base" or "link1" .. "link{n}".
+
+        Returns
+        -------
+        T_w(frame) : (..., 4, 4).
+        """
+        kernel = self._kernels.get(("fk", frame))
+        if kernel is None:
+            if frame not in self._frame_numbers:
+                raise UnknownName("frame", frame, self._frame_numbers)
+            kernel = self._kernels["fk", frame] = self.kernel("fk", frame=self._frame_numbers[frame])
+        result: Array = kernel(q, out=out, threads=threads)
+        return result
+
+    def frames(self, q: ArrayLike) -> Array:
+        """World poses of base, link1 .. link{n} and tool: (..., n + 2, 4, 4)."""
+        result: Array = self.kernel("frames")(q)
+        return result
+
+    def jacobian(
+        self, q: ArrayLike, frame: str = "world", *, out: Array | None = None, threads: int = 1
+    ) -> Array:
+        """Geometric Jacobian of the tool point, rows [v; w] (Siciliano 3.1).
+
+        Parameters
+        ----------
+        q : (..., n).
+        frame : "world" or "tool", the frame in which v and w are expressed.
+
+        Returns
+        -------
+        J : (..., 6, n).
+        """
+        kernel = self._kernels.get(("jacobian", frame))
+        if kernel is None:
+            if frame not in ("world", "tool"):
+                raise UnknownName("Jacobian frame", frame, ("world", "tool"))
+            kernel = self._kernels["jacobian", frame] = self.kernel("jacobian", frame=frame)
+        result: Array = kernel(q, out=out, threads=threads)
+        return result
+
+    def ik(self, T: ArrayLike, *, threads: int = 1) -> IkResult:
+        """Closed-form inverse geometry: every branch with its status.
+
+        Parameters
+        ----------
+        T : (..., 4, 4), T_wt.
+
+        Raises
+        ------
+        NotAPose
+            `T` is no rigid transform.
+        UnknownName
+            No closed form for this arm.
+        """
+        q, status = self.kernel("inverse_geometry")(check_pose(T, "T"), threads=threads)
+        return IkResult(q, status, puma_inverse.BRANCHES)
+
+    def ik_nearest(self, T: ArrayLike, q0: ArrayLike) -> IkNearest:
+        """The reachable branch nearest to `q0` (largest joint difference), with joints a turn away where limits allow.
+
+        `status` is that of the branch taken: OK or SINGULAR, and LIMIT or UNREACHABLE if no branch is better.
+        """
+        found = self.ik(T)
+        reference = np.asarray(q0, dtype=float)
+        if reference.shape[-1:] != (self.n,) or not np.isfinite(reference).all():
+            raise ShapeError(f"q0 must be finite and of shape (..., {self.n}); shape {reference.shape} came")
+        q = self._turned(found.q, reference[..., None, :])
+        rank = np.array([0.0, 2e6, 1e6, 0.0])[found.status]
+        branch = np.argmin(np.abs(q - reference[..., None, :]).max(-1) + rank, axis=-1)
+        taken = np.take_along_axis(q, branch[..., None, None], -2)[..., 0, :]
+        status = np.take_along_axis(found.status, branch[..., None], -1)[..., 0]
+        return IkNearest(taken, status, branch, found.names)
+
+    def _turned(self, q: Array, reference: Array) -> Array:
+        """Whole turns nearer to the reference, where that stays within the limits."""
+        limits = self.limits
+        turned = q + 2 * np.pi * np.round((reference - q) / (2 * np.pi))
+        return np.where((turned >= limits.lower) & (turned <= limits.upper), turned, q)
+
+    def inverse_dynamics(
+        self,
+        q: ArrayLike,
+        qd: ArrayLike,
+        qdd: ArrayLike,
+        *,
+        friction: bool | None = None,
+        wrench: ArrayLike | None = None,
+        wrench_frame: str | None = None,
+        out: Array | None = None,
+        threads: int = 1,
+    ) -> Array:
+        """Joint torques for a motion: tau = B qdd + C qd + Fv qd + Fs sgn(qd) + g + J^T h (specification 02).
+
+        Parameters
+        ----------
+        q, qd, qdd : (..., n) rad, rad/s, rad/s2.
+        friction : whether joint friction is in; by default where the model has any.
+        wrench : (..., 6) [f; m], what the arm exerts on its environment at the tool point, N and N m.
+        wrench_frame : "world" or "tool", required with `wrench`.
+
+        Returns
+        -------
+        tau : (..., n) N m.
+
+        Raises
+        ------
+        ShapeError, MissingInertia, InputError
+        """
+        kernel = self._dynamics("inverse_dynamics", friction, wrench, wrench_frame)
+        result: Array
+        if wrench is None:
+            result = kernel(q, qd, qdd, out=out, threads=threads)
+        else:
+            result = kernel(q, qd, qdd, wrench, out=out, threads=threads)
+        return result
+
+    def forward_dynamics(
+        self,
+        q: ArrayLike,
+        qd: ArrayLike,
+        tau: ArrayLike,
+        *,
+        friction: bool | None = None,
+        wrench: ArrayLike | None = None,
+        wrench_frame: str | None = None,
+        out: Array | None = None,
+        threads: int = 1,
+    ) -> Array:
+        """Joint accelerations under joint torques; arguments as for `inverse_dynamics`.
+
+        Returns
+        -------
+        qdd : (..., n) rad/s2.
+        """
+        kernel = self._dynamics("forward_dynamics", friction, wrench, wrench_frame)
+        result: Array
+        if wrench is None:
+            result = kernel(q, qd, tau, out=out, threads=threads)
+        else:
+            result = kernel(q, qd, tau, wrench, out=out, threads=threads)
+        return result
+
+    def _dynamics(
+        self, name: str, friction: bool | None, wrench: ArrayLike | None, wrench_frame: str | None
+    ) -> Kernel:
+        key = (name, friction, wrench_frame)
+        kernel = self._kernels.get(key)
+        if (wrench is None) != (wrench_frame is None):
+            raise InputError(
+                'wrench= and wrench_frame= ("world" or "tool") go together; one of them is missing'
+            )
+        if kernel is None:
+            if wrench_frame not in (None, "world", "tool"):
+                raise UnknownName("wrench frame", str(wrench_frame), ("world", "tool"))
+            with_friction = self._has_friction if friction is None else bool(friction)
+            kernel = self._kernels[key] = self.kernel(name, friction=with_friction, wrench_frame=wrench_frame)
+        return kernel
+
+    def mass_matrix(self, q: ArrayLike, *, out: Array | None = None, threads: int = 1) -> Array:
+        """B(q): (..., n, n), with reflected rotor inertia on the diagonal."""
+        result: Array = self.kernel("mass_matrix")(q, out=out, threads=threads)
+        return result
+
+    def gravity(self, q: ArrayLike, *, out: Array | None = None, threads: int = 1) -> Array:
+        """Torques that hold the arm at rest: (..., n) N m."""
+        result: Array = self.kernel("gravity")(q, out=out, threads=threads)
+        return result
+
+
+def load_arm(name: str) -> Arm:
+    """Return a preset arm.
+
+    Raises
+    ------
+    UnknownName
+        No such preset; the message lists them.
+    """
+    return Arm(preset(name))
+
+
+def arm_from_dh(
+    rows: Sequence[DHRow],
+    *,
+    convention: str,
+    name: str = "arm",
+    limits: Sequence[JointLimits] | None = None,
+    bodies: Sequence[Body] | None = None,
+) -> Arm:
+    """Return an arm from a Denavit-Hartenberg table.
+
+    Parameters
+    ----------
+    rows : one `DHRow` per joint.
+    convention : "standard" or "modified"; never guessed.
+    limits, bodies : one each per joint, if known.
+    """
+    if convention not in ("standard", "modified"):
+        raise UnknownName("DH convention", str(convention), ("standard", "modified"))
+    return Arm(arm_model_from_dh(rows, convention=convention, name=name, limits=limits, bodies=bodies))  # type: ignore[arg-type]

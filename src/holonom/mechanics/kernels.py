@@ -1,0 +1,173 @@
+"""Which equations an arm has compiled, and how: one entry of the table per kernel."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from holonom.errors import MissingInertia, UnknownName
+from holonom.mechanics.equations import (
+    composite_body,
+    forward_dynamics,
+    kinematics,
+    newton_euler,
+    puma_inverse,
+)
+from holonom.mechanics.equations.inertia import Inertial, from_body
+from holonom.mechanics.equations.vectors import Pose, Vector, compose, scale, transpose, tvec
+from holonom.model import ArmModel
+from holonom.trace import Kernel, Number, compile
+
+__all__ = ["KERNELS", "bodies_of", "make_kernel"]
+
+Options = Mapping[str, Any]
+
+
+def bodies_of(model: ArmModel) -> list[Inertial]:
+    """Return the inertial parameters of the links.
+
+    Raises
+    ------
+    MissingInertia
+        The model states none.
+    """
+    if model.bodies is None:
+        raise MissingInertia(
+            f"arm {model.name!r} states no masses and inertias, so it has kinematics only; "
+            "give bodies= (mass, com, inertia per link) for dynamics"
+        )
+    return [from_body(body) for body in model.bodies]
+
+
+def _inverted(T: Pose) -> Pose:
+    R, p = T
+    return transpose(R), scale(-1.0, tvec(R, p))
+
+
+def _unflat(T: Vector) -> Pose:
+    return [list(T[4 * i : 4 * i + 3]) for i in range(3)], [T[3], T[7], T[11]]
+
+
+def _wrench_in_tool(model: ArmModel, q: Vector, wrench: Vector, frame: str) -> list[Number]:
+    if frame == "tool":
+        return list(wrench)
+    R, _ = kinematics.frames(model, q)[-1]
+    return [*tvec(R, wrench[:3]), *tvec(R, wrench[3:])]
+
+
+def _fk(model: ArmModel, options: Options) -> Kernel:
+    frame = options["frame"]
+    return compile(
+        lambda q: kinematics.pose(model, q, frame),
+        {"q": len(model.joints)},
+        {"T": (4, 4)},
+        name=f"{model.name}_fk{frame}",
+    )
+
+
+def _all_frames(model: ArmModel, options: Options) -> Kernel:
+    n = len(model.joints)
+
+    def equation(q: Vector) -> list[Number]:
+        return [v for T in kinematics.frames(model, q) for v in kinematics.flat_pose(T)]
+
+    return compile(equation, {"q": n}, {"T": (n + 2, 4, 4)}, name=f"{model.name}_frames")
+
+
+def _jacobian(model: ArmModel, options: Options) -> Kernel:
+    n, frame = len(model.joints), options["frame"]
+    return compile(
+        lambda q: kinematics.jacobian(model, q, frame),
+        {"q": n},
+        {"J": (6, n)},
+        name=f"{model.name}_jacobian_{frame}",
+    )
+
+
+def _inverse_dynamics(model: ArmModel, options: Options) -> Kernel:
+    n, bodies = len(model.joints), bodies_of(model)
+    friction, frame = options["friction"], options["wrench_frame"]
+    inputs = {"q": n, "qd": n, "qdd": n} | ({"wrench": 6} if frame else {})
+
+    def equation(q: Vector, qd: Vector, qdd: Vector, wrench: Vector | None = None) -> list[Number]:
+        load = None if wrench is None else _wrench_in_tool(model, q, wrench, frame)
+        return newton_euler.inverse_dynamics(model, bodies, q, qd, qdd, friction=friction, wrench_tool=load)
+
+    return compile(equation, inputs, {"tau": n}, name=f"{model.name}_inverse_dynamics")
+
+
+def _forward_dynamics(model: ArmModel, options: Options) -> Kernel:
+    n, bodies = len(model.joints), bodies_of(model)
+    friction, frame = options["friction"], options["wrench_frame"]
+    inputs = {"q": n, "qd": n, "tau": n} | ({"wrench": 6} if frame else {})
+
+    def equation(q: Vector, qd: Vector, tau: Vector, wrench: Vector | None = None) -> list[Number]:
+        load = None if wrench is None else _wrench_in_tool(model, q, wrench, frame)
+        return forward_dynamics.forward_dynamics(
+            model, bodies, q, qd, tau, friction=friction, wrench_tool=load
+        )
+
+    return compile(equation, inputs, {"qdd": n}, name=f"{model.name}_forward_dynamics")
+
+
+def _mass_matrix(model: ArmModel, options: Options) -> Kernel:
+    n, bodies = len(model.joints), bodies_of(model)
+
+    def equation(q: Vector) -> list[Number]:
+        return [v for row in composite_body.mass_matrix(model, bodies, q) for v in row]
+
+    return compile(equation, {"q": n}, {"B": (n, n)}, name=f"{model.name}_mass_matrix")
+
+
+def _gravity(model: ArmModel, options: Options) -> Kernel:
+    n, bodies = len(model.joints), bodies_of(model)
+    rest = [0.0] * n
+    return compile(
+        lambda q: newton_euler.inverse_dynamics(model, bodies, q, rest, rest),
+        {"q": n},
+        {"g": n},
+        name=f"{model.name}_gravity",
+    )
+
+
+def _inverse_geometry(model: ArmModel, options: Options) -> Kernel:
+    geometry = puma_inverse.puma_geometry(model)
+    if geometry is None:
+        raise UnknownName(
+            "closed-form inverse for arm",
+            model.name,
+            ("Puma-type arms: see mechanics.equations.puma_inverse",),
+        )
+    to_base = _inverted(kinematics.split(model.base))
+    from_tool = _inverted(kinematics.split(model.tool))
+
+    def equation(T: Vector) -> tuple[list[Number], list[Number]]:
+        R, p = compose(compose(to_base, _unflat(T)), from_tool)
+        return puma_inverse.puma_inverse(geometry, kinematics.flat_pose((R, p)))
+
+    return compile(
+        equation,
+        {"T": (4, 4)},
+        {"q": (8, 6), "status": 8},
+        name=f"{model.name}_inverse_geometry",
+        integers=("status",),
+    )
+
+
+KERNELS: Mapping[str, Callable[[ArmModel, Options], Kernel]] = {
+    "fk": _fk,
+    "frames": _all_frames,
+    "jacobian": _jacobian,
+    "inverse_dynamics": _inverse_dynamics,
+    "forward_dynamics": _forward_dynamics,
+    "mass_matrix": _mass_matrix,
+    "gravity": _gravity,
+    "inverse_geometry": _inverse_geometry,
+}
+
+
+def make_kernel(name: str, model: ArmModel, options: Options) -> Kernel:
+    """Trace and wrap the equation `name` of the table for one arm."""
+    if name not in KERNELS:
+        raise UnknownName("kernel", name, KERNELS)
+    return KERNELS[name](model, options)
