@@ -1,1 +1,68 @@
-"""."""
+"""Regulators of servo axes and of the arm (specification 04). No device is seen here: numbers come in.
+
+Compiled steps over scalars (`kernels.py`), for a loop that keeps the state of its axes in rows of numbers:
+
+=======================  =======================================================================
+`pi_step`, `pi_start`    the PI regulator of both inner loops; its bumpless start
+`current_step`           current to voltage (10 kHz)
+`speed_step`             speed to current reference (2 kHz)
+`position_step`          position to speed reference (1 kHz)
+`acceleration_step`      computed torque, the part before the inverse dynamics (1 kHz)
+`torque_to_current`      computed torque, the part behind it
+`axis_violation`         which limit of an axis does not hold
+=======================  =======================================================================
+
+Verbs that make their params:
+
+=======================  =======================================================================
+`design_cascade`         `ServoAxis` and `SampleTimes` to `CascadeGains` with margins
+`acceleration_params`    a bandwidth to the gains of the computed-torque law
+`AxisLimits`             limits; `Violation` names them, `drive_fault` words the stop
+=======================  =======================================================================
+"""
+
+from holonom.control.computed_torque import acceleration_params
+from holonom.control.kernels import (
+    AccelerationParams,
+    CurrentParams,
+    LimitParams,
+    PiParams,
+    PositionParams,
+    SpeedParams,
+    acceleration_step,
+    axis_violation,
+    current_step,
+    pi_start,
+    pi_step,
+    position_step,
+    speed_step,
+    torque_to_current,
+)
+from holonom.control.limits import AxisLimits, Violation, drive_fault
+from holonom.control.tuning import CascadeGains, LoopMargin, SampleTimes, ServoAxis, design_cascade
+
+__all__ = [
+    "AccelerationParams",
+    "AxisLimits",
+    "CascadeGains",
+    "CurrentParams",
+    "LimitParams",
+    "LoopMargin",
+    "PiParams",
+    "PositionParams",
+    "SampleTimes",
+    "ServoAxis",
+    "SpeedParams",
+    "Violation",
+    "acceleration_params",
+    "acceleration_step",
+    "axis_violation",
+    "current_step",
+    "design_cascade",
+    "drive_fault",
+    "pi_start",
+    "pi_step",
+    "position_step",
+    "speed_step",
+    "torque_to_current",
+]

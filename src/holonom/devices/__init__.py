@@ -1,1 +1,67 @@
-"""."""
+"""Motors, gears, friction and encoders: what sits behind a joint (specification 03).
+
+Data sheets, validated, each with a verb that makes the params of its compiled step:
+
+======================  ========================================================================
+`DcMotor`               armature, constants, limits; `A_M`, `A_T`, `T_M`, `T_V`, damping
+`Gear`                  signed ratio, efficiency
+`Friction`              viscous and asymmetric Coulomb
+`Encoder`               counts, longest read interval; `tracking_params` for the speed observer
+======================  ========================================================================
+
+Compiled steps over scalars (`kernels.py`), for a loop that keeps the state of its axes in rows of numbers:
+
+======================  ========================================================================
+`armature_step`         voltage and speed to current, exact between samples
+`friction_torque`       speed to the torque that opposes it
+`gear_torque`           motor torque to joint torque
+`encoder_counter`       motor angle to the 16-bit counter
+`extend_counter`        16-bit reads to a 64-bit count
+`count_angle`           count to motor angle
+`difference_speed`      M method: counts in an interval to speed
+`tracking_step`         observer: angle, speed and load from each read
+======================  ========================================================================
+"""
+
+from holonom.devices.dc_motor import DcMotor
+from holonom.devices.encoder import Encoder, tracking_params
+from holonom.devices.friction import Friction
+from holonom.devices.gear import Gear
+from holonom.devices.kernels import (
+    ArmatureParams,
+    EncoderParams,
+    FrictionParams,
+    GearParams,
+    TrackingParams,
+    TrackingState,
+    armature_step,
+    count_angle,
+    difference_speed,
+    encoder_counter,
+    extend_counter,
+    friction_torque,
+    gear_torque,
+    tracking_step,
+)
+
+__all__ = [
+    "ArmatureParams",
+    "DcMotor",
+    "Encoder",
+    "EncoderParams",
+    "Friction",
+    "FrictionParams",
+    "Gear",
+    "GearParams",
+    "TrackingParams",
+    "TrackingState",
+    "armature_step",
+    "count_angle",
+    "difference_speed",
+    "encoder_counter",
+    "extend_counter",
+    "friction_torque",
+    "gear_torque",
+    "tracking_params",
+    "tracking_step",
+]

@@ -1,0 +1,48 @@
+"""Gains of the computed-torque law `u = qdd_ref + k_v e' + k_p e + k_i integral(e)` (spec 04.4)."""
+
+from __future__ import annotations
+
+import math
+
+from holonom.control.kernels import AccelerationParams
+from holonom.errors import OutOfLimits
+
+__all__ = ["acceleration_params"]
+
+
+def acceleration_params(
+    bandwidth: float, dt: float, *, integral: bool = True, max_correction: float = math.inf
+) -> AccelerationParams:
+    """Gains that put all poles of the error equation at `-bandwidth`.
+
+    `e''' + k_v e'' + k_p e' + k_i e = (s + w)^3 e` with the integral: k_v = 3 w, k_p = 3 w^2, k_i = w^3.
+    Without it `(s + w)^2`: k_v = 2 w, k_p = w^2, and a constant load leaves an error.
+
+    Parameters
+    ----------
+    bandwidth
+        w, rad/s. Sampling at `dt` costs the poles their place: keep `bandwidth * dt` below 0.1.
+    dt
+        Sample time of the law, s (1 ms by default of the cell).
+    integral
+        Whether a constant load is integrated away.
+    max_correction
+        Limit of everything but `qdd_ref`, rad/s^2.
+
+    Raises
+    ------
+    OutOfLimits
+        A number that is not positive, or `bandwidth * dt` above 0.1.
+    """
+    for name, value in (("bandwidth", bandwidth), ("dt", dt), ("max_correction", max_correction)):
+        if not value > 0.0:
+            raise OutOfLimits(f"acceleration_params: {name} is {value!r}; it must be greater than 0")
+    if bandwidth * dt > 0.1:
+        raise OutOfLimits(
+            f"acceleration_params: bandwidth {bandwidth:g} rad/s at a sample time of {dt:g} s; "
+            f"at most {0.1 / dt:g} rad/s there, or sample faster"
+        )
+    w = bandwidth
+    if integral:
+        return AccelerationParams(3.0 * w * w, 3.0 * w, w**3 * dt, max_correction)
+    return AccelerationParams(w * w, 2.0 * w, 0.0, max_correction)

@@ -1,0 +1,248 @@
+"""From the numbers of a servo axis to the gains of its cascade, with the margins they leave (spec 04.3)."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+
+from holonom.control.kernels import CurrentParams, PositionParams, SpeedParams
+from holonom.errors import ModelError, OutOfLimits
+
+__all__ = ["CascadeGains", "LoopMargin", "SampleTimes", "ServoAxis", "design_cascade"]
+
+LOOP_DELAY = 1.5  # sample periods: half of one for the hold, one for computing, as a digital drive has them
+CURRENT_MARGIN = math.radians(60.0)
+SPEED_RATIO = 10.0  # T_i / T_V' of the speed loop: phase margin atan(sqrt 10) - atan(1 / sqrt 10) = 55 deg
+POSITION_RATIO = 8.0  # crossover of the speed loop over the position gain
+OBSERVER_RATIO = 2.0  # bandwidth of the speed observer over the crossover of the speed loop
+COUNT_RIPPLE = 0.2  # current that one count of position error may cost, as a part of the current limit
+COUNT_PEAK = 0.8  # speed that one count costs a third-order tracking loop, in counts times its bandwidth
+
+
+@dataclass(frozen=True, slots=True)
+class ServoAxis:
+    """A servo axis as its regulators see it: plain numbers, all at the motor shaft.
+
+    Attributes
+    ----------
+    resistance, inductance
+        Armature, ohm and H.
+    torque_constant, back_emf_constant
+        N m/A and V s/rad.
+    inertia
+        Rotor and load together, kg m^2 (load inertia at the joint divided by the ratio squared).
+    viscous
+        N m s/rad.
+    max_voltage, max_current, max_speed
+        V, A, rad/s.
+    counts_per_rev
+        Encoder counts per turn of the motor.
+
+    Raises
+    ------
+    ModelError
+        A number that is not finite and positive (`viscous` may be 0).
+    """
+
+    resistance: float
+    inductance: float
+    torque_constant: float
+    back_emf_constant: float
+    inertia: float
+    max_voltage: float
+    max_current: float
+    max_speed: float
+    counts_per_rev: float
+    viscous: float = 0.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            positive = value > 0.0 or (field.name == "viscous" and value == 0.0)
+            if not (positive and math.isfinite(value)):
+                raise ModelError(f"ServoAxis: {field.name} is {value!r}; it must be finite and greater than 0")
+
+
+@dataclass(frozen=True, slots=True)
+class SampleTimes:
+    """Sample times of the three loops, s.
+
+    Raises
+    ------
+    OutOfLimits
+        A time that is not positive, or an inner loop that is slower than the one around it.
+    """
+
+    current: float = 1e-4
+    speed: float = 5e-4
+    position: float = 1e-3
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.current <= self.speed <= self.position < math.inf:
+            raise OutOfLimits(
+                f"SampleTimes: current {self.current!r}, speed {self.speed!r}, position {self.position!r} s; "
+                "they must be positive, and no loop slower than the one around it"
+            )
+
+
+@dataclass(frozen=True, slots=True)
+class LoopMargin:
+    """Crossover frequency (rad/s) and phase margin (rad) of an open loop."""
+
+    crossover: float
+    phase_margin: float
+
+
+@dataclass(frozen=True, slots=True)
+class CascadeGains:
+    """Params of the three loops and what they promise.
+
+    Attributes
+    ----------
+    current, speed, position
+        Params of `current_step`, `speed_step`, `position_step` at the sample times `times`.
+    observer_bandwidth
+        rad/s, of the tracking loop that gives the speed; the margins count on its acceleration input.
+    current_margin, speed_margin, position_margin
+        Computed with the delays of sampling and of the inner loops.
+    speed_limited_by
+        "sample time" or "encoder resolution": what kept the speed loop from being faster.
+    """
+
+    current: CurrentParams
+    speed: SpeedParams
+    position: PositionParams
+    times: SampleTimes
+    observer_bandwidth: float
+    current_margin: LoopMargin
+    speed_margin: LoopMargin
+    position_margin: LoopMargin
+    speed_limited_by: str
+
+
+def design_cascade(
+    axis: ServoAxis,
+    *,
+    times: SampleTimes | None = None,
+    max_braking: float | None = None,
+    feed_back_emf: bool = True,
+) -> CascadeGains:
+    """Gains of the current, speed and position loops of an axis.
+
+    - Current: PI, zero on the electrical time constant, so that the loop is `K_c / (s L)` with a delay of 1.5
+      sample times; its crossover is where 60 degrees of phase margin are left (556 Hz at 10 kHz).
+    - Speed: PI with `T_i = 10 T_V'` about the small lags `T_V'` (current loop, sampling), crossover at
+      `1 / sqrt(T_i T_V')`: 55 degrees (about 50 Hz at 2 kHz). Slower where one encoder count would otherwise cost
+      more than a fifth of the current limit.
+    - Position: P, slow against the speed loop, so that its step does not overshoot; speed as feed-forward.
+
+    Parameters
+    ----------
+    axis
+        The axis.
+    times
+        Sample times; 0.1, 0.5 and 1 ms by default.
+    max_braking
+        Deceleration (rad/s^2 at the motor) that a long position step may count on; by default half of what
+        the current limit gives, the other half being left for gravity and friction.
+    feed_back_emf
+        Whether the current loop is fed the back-emf of the measured speed.
+
+    Raises
+    ------
+    OutOfLimits
+        A `max_braking` that is not positive.
+    """
+    if max_braking is not None and not max_braking > 0.0:
+        raise OutOfLimits(f"design_cascade: max_braking is {max_braking!r}; it must be greater than 0 rad/s^2")
+    times = times or SampleTimes()
+    current = _design_current(axis, times.current, feed_back_emf)
+    speed, observer, limited_by = _design_speed(axis, times, current)
+    crossover = speed.gain * axis.torque_constant / axis.inertia
+    torque_limit = axis.torque_constant * axis.max_current
+    position = PositionParams(
+        gain=crossover / POSITION_RATIO,
+        max_speed=axis.max_speed,
+        max_braking=0.5 * torque_limit / axis.inertia if max_braking is None else max_braking,
+    )
+
+    def current_loop(s: complex) -> complex:
+        pi = current.gain + current.integral_gain / (s * times.current)
+        return pi / (axis.resistance + s * axis.inductance) * cmath.exp(-LOOP_DELAY * times.current * s)
+
+    def speed_loop(s: complex) -> complex:
+        pi = speed.gain + speed.integral_gain / (s * times.speed)
+        plant = axis.torque_constant / (axis.viscous + s * axis.inertia)
+        return pi * plant * _closed(current_loop(s)) * cmath.exp(-LOOP_DELAY * times.speed * s)
+
+    def position_loop(s: complex) -> complex:
+        return position.gain / s * _closed(speed_loop(s)) * cmath.exp(-LOOP_DELAY * times.position * s)
+
+    return CascadeGains(
+        current=current,
+        speed=speed,
+        position=position,
+        times=times,
+        observer_bandwidth=observer,
+        current_margin=_margin(current_loop, 1.0 / times.current),
+        speed_margin=_margin(speed_loop, 1.0 / times.speed),
+        position_margin=_margin(position_loop, 1.0 / times.position),
+        speed_limited_by=limited_by,
+    )
+
+
+def _design_current(axis: ServoAxis, dt: float, feed_back_emf: bool) -> CurrentParams:
+    crossover = (0.5 * math.pi - CURRENT_MARGIN) / (LOOP_DELAY * dt)
+    gain = crossover * axis.inductance
+    return CurrentParams(
+        gain=gain,
+        integral_gain=gain * dt * axis.resistance / axis.inductance,
+        tracking=1.0,
+        max_voltage=axis.max_voltage,
+        back_emf=axis.back_emf_constant if feed_back_emf else 0.0,
+    )
+
+
+def _design_speed(axis: ServoAxis, times: SampleTimes, current: CurrentParams) -> tuple[SpeedParams, float, str]:
+    """Speed loop, observer bandwidth (rad/s) and what limited them."""
+    small_lag = axis.inductance / current.gain + LOOP_DELAY * times.speed
+    by_sampling = 1.0 / (math.sqrt(SPEED_RATIO) * small_lag)
+    by_counts = _resolvable_crossover(axis)
+    crossover = min(by_sampling, by_counts)
+    gain = crossover * axis.inertia / axis.torque_constant
+    params = SpeedParams(
+        gain=gain,
+        integral_gain=gain * times.speed * crossover / math.sqrt(SPEED_RATIO),
+        tracking=1.0,
+        max_current=axis.max_current,
+        max_voltage=axis.max_voltage,
+        back_emf=axis.back_emf_constant,
+        conductance=1.0 / axis.resistance,
+    )
+    limited_by = "sample time" if by_sampling <= by_counts else "encoder resolution"
+    return params, OBSERVER_RATIO * crossover, limited_by
+
+
+def _resolvable_crossover(axis: ServoAxis) -> float:
+    """Crossover w (rad/s) at which one count, through observer and gain w J / k_t, costs its current."""
+    count = 2.0 * math.pi / axis.counts_per_rev
+    allowed = COUNT_RIPPLE * axis.max_current * axis.torque_constant / axis.inertia
+    return math.sqrt(allowed / (COUNT_PEAK * OBSERVER_RATIO * count))
+
+
+def _closed(loop: complex) -> complex:
+    return loop / (1.0 + loop)
+
+
+def _margin(loop: Callable[[complex], complex], top: float) -> LoopMargin:
+    """Crossover and phase margin of a loop whose gain falls through 1 once below `top` (rad/s)."""
+    low, high = 1e-6 * top, math.pi * top
+    for _ in range(60):
+        middle = math.sqrt(low * high)
+        if abs(loop(1j * middle)) > 1.0:
+            low = middle
+        else:
+            high = middle
+    return LoopMargin(low, math.pi + cmath.phase(loop(1j * low)))

@@ -1,0 +1,77 @@
+"""Incremental encoder on a motor shaft, its 16-bit counter, and the ways to a speed (spec 03.3)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from holonom.devices._checks import require
+from holonom.devices.kernels import COUNTER_SIZE, EncoderParams, TrackingParams
+
+__all__ = ["Encoder", "tracking_params"]
+
+
+@dataclass(frozen=True, slots=True)
+class Encoder:
+    """An incremental encoder on the motor shaft.
+
+    Attributes
+    ----------
+    counts_per_rev
+        Counts per turn of the motor after decoding (four per line with 4x decoding).
+
+    Raises
+    ------
+    ModelError
+        Fewer than one count per turn.
+    """
+
+    counts_per_rev: int
+
+    def __post_init__(self) -> None:
+        require("Encoder", "counts_per_rev", self.counts_per_rev, least=1)
+
+    @property
+    def resolution(self) -> float:
+        """One count, rad of the motor shaft."""
+        return 2.0 * math.pi / self.counts_per_rev
+
+    def longest_read_interval(self, max_speed: float) -> float:
+        """Time (s) within which the counter has to be read at a motor speed (rad/s): `2^15 / f_max`.
+
+        Half of the counter, not all of it: the difference of two reads carries a sign.
+        """
+        require("Encoder.longest_read_interval", "max_speed", max_speed, above=0.0)
+        return 0.5 * COUNTER_SIZE * self.resolution / max_speed
+
+    def speed_resolution(self, interval: float) -> float:
+        """Step (rad/s) of the M method, `q / T_s`, at an interval in s."""
+        require("Encoder.speed_resolution", "interval", interval, above=0.0)
+        return self.resolution / interval
+
+    def params(self) -> EncoderParams:
+        """Params of the counter kernels."""
+        return EncoderParams(1.0 / self.resolution, self.resolution)
+
+
+def tracking_params(bandwidth: float, dt: float) -> TrackingParams:
+    """Params of `tracking_step` for an observer with three poles at `-bandwidth` (rad/s), read each `dt` (s).
+
+    The poles lie at `r = exp(-bandwidth dt)` (fading-memory filter; Zarchan, Fundamentals of Kalman
+    Filtering). One count of position error moves the speed by at most about `0.8 bandwidth` counts per
+    second.
+
+    Raises
+    ------
+    ModelError
+        A bandwidth or an interval that is not positive.
+    """
+    require("tracking_params", "bandwidth", bandwidth, above=0.0)
+    require("tracking_params", "dt", dt, above=0.0)
+    r = math.exp(-bandwidth * dt)
+    return TrackingParams(
+        dt=dt,
+        angle_gain=1.0 - r**3,
+        speed_gain=1.5 * (1.0 - r) ** 2 * (1.0 + r) / dt,
+        load_gain=(1.0 - r) ** 3 / dt**2,
+    )

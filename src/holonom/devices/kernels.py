@@ -1,0 +1,152 @@
+"""Compiled steps of the devices: scalars and NamedTuples in, scalars out; nothing is checked or allocated.
+
+Params come from the data sheets beside this file (`DcMotor.armature`, `Encoder.params`, ...). All angles and
+speeds are the motor shaft's unless the name says joint.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from numba import njit
+
+__all__ = [
+    "COUNTER_SIZE",
+    "ArmatureParams",
+    "EncoderParams",
+    "FrictionParams",
+    "GearParams",
+    "TrackingParams",
+    "TrackingState",
+    "armature_step",
+    "count_angle",
+    "difference_speed",
+    "encoder_counter",
+    "extend_counter",
+    "friction_torque",
+    "gear_torque",
+    "tracking_step",
+]
+
+COUNTER_SIZE = 1 << 16
+HALF_COUNTER = COUNTER_SIZE >> 1
+
+
+class ArmatureParams(NamedTuple):
+    """An armature at one fixed interval: decay `exp(-R dt / L)`, 1/R in S, k_e in V s/rad, supply in V."""
+
+    decay: float
+    conductance: float
+    back_emf: float
+    max_voltage: float
+
+
+class FrictionParams(NamedTuple):
+    """Viscous in N m s/rad; Coulomb magnitudes in N m for speed > 0 and < 0; smoothing in rad/s."""
+
+    viscous: float
+    coulomb_positive: float
+    coulomb_negative: float
+    smoothing: float
+
+
+class GearParams(NamedTuple):
+    """Motor turns per joint turn (signed) and efficiency in (0, 1]."""
+
+    ratio: float
+    efficiency: float
+
+
+class EncoderParams(NamedTuple):
+    """Counts per radian of the motor shaft after decoding, and its inverse in rad."""
+
+    counts_per_rad: float
+    resolution: float
+
+
+class TrackingParams(NamedTuple):
+    """A tracking loop at interval `dt`: corrections of angle (1), speed (1/s), load (1/s^2) per error."""
+
+    dt: float
+    angle_gain: float
+    speed_gain: float
+    load_gain: float
+
+
+class TrackingState(NamedTuple):
+    """Estimated angle (rad), speed (rad/s) and unmodelled acceleration (rad/s^2) of the motor shaft."""
+
+    angle: float
+    speed: float
+    load: float
+
+
+@njit(cache=True)
+def armature_step(params: ArmatureParams, current: float, voltage: float, speed: float) -> float:
+    """Current (A) one interval later, from `L di/dt = u - R i - k_e w`, exact for held `u`, `w` (03.1)."""
+    supplied = min(max(voltage, -params.max_voltage), params.max_voltage)
+    settled = params.conductance * (supplied - params.back_emf * speed)
+    return settled + params.decay * (current - settled)
+
+
+@njit(cache=True)
+def friction_torque(params: FrictionParams, speed: float) -> float:
+    """Torque (N m) that opposes the motion, to be subtracted: `B w + T_c w / sqrt(w^2 + e^2)`."""
+    coulomb = params.coulomb_positive if speed > 0.0 else params.coulomb_negative
+    sign = speed / math.sqrt(speed * speed + params.smoothing * params.smoothing)
+    return params.viscous * speed + coulomb * sign
+
+
+@njit(cache=True)
+def gear_torque(params: GearParams, motor_torque: float, motor_speed: float) -> float:
+    """Joint torque (N m): `nu eta m` while the motor drives, `nu m / eta` when driven back (spec 03.2)."""
+    if motor_torque * motor_speed >= 0.0:
+        return params.ratio * params.efficiency * motor_torque
+    return params.ratio * motor_torque / params.efficiency
+
+
+@njit(cache=True)
+def encoder_counter(params: EncoderParams, angle: float) -> int:
+    """Content (0 ... 65535) of the 16-bit up/down counter at a motor angle (rad)."""
+    return math.floor(angle * params.counts_per_rad) & (COUNTER_SIZE - 1)
+
+
+@njit(cache=True)
+def extend_counter(total: int, counter: int) -> int:
+    """64-bit count after a read: the last one plus the signed 16-bit difference (spec 03.3).
+
+    The low 16 bits of `total` are the last read, so `total` is the whole state. Right for any motion of less
+    than 2^15 counts between two reads.
+    """
+    return total + ((counter - total + HALF_COUNTER) & (COUNTER_SIZE - 1)) - HALF_COUNTER
+
+
+@njit(cache=True)
+def count_angle(params: EncoderParams, total: int) -> float:
+    """Motor angle (rad) at the middle of the count: off by half a count at most."""
+    return (total + 0.5) * params.resolution
+
+
+@njit(cache=True)
+def difference_speed(params: EncoderParams, counts: int, interval: float) -> float:
+    """M method: motor speed (rad/s) from the counts in an interval (s), `dN q / T_s`; half of it late."""
+    return counts * params.resolution / interval
+
+
+@njit(cache=True)
+def tracking_step(params: TrackingParams, state: TrackingState, angle: float, acceleration: float) -> TrackingState:
+    """One read of the encoder: predict with the known acceleration (`k_t i / J`, or 0), correct by the error.
+
+    With the right inertia the speed has no delay. The load state takes up whatever the acceleration leaves
+    out (gravity, friction, a wrong inertia), so that nothing constant biases the speed.
+    """
+    dt = params.dt
+    total = acceleration + state.load
+    predicted = state.angle + dt * (state.speed + 0.5 * dt * total)
+    error = angle - predicted
+    return TrackingState(
+        predicted + params.angle_gain * error,
+        state.speed + dt * total + params.speed_gain * error,
+        state.load + params.load_gain * error,
+    )
