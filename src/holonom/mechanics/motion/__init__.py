@@ -1,0 +1,47 @@
+"""Motion: time laws, joint and straight-line trajectories, fly-by and stops.
+
+================  =====================================================================
+``profile``       `time_law`, `sample`, `on_grid`: s(t) from 0 to 1; families in `PROFILES`
+``trajectory``    `Trajectory`: the sampled joint path; `JointLimits`: what it keeps
+``joint``         `plan_joint`: point to point, all joints arrive together
+``line``          `plan_line`: straight line of the tool, orientation by slerp
+``blend``         `blend`, `splice`: the next segment starts while the last one brakes
+``stop``          `stop`: a controlled stop on the path
+================  =====================================================================
+"""
+
+from holonom.mechanics.motion.blend import blend, splice
+from holonom.mechanics.motion.joint import plan_joint
+from holonom.mechanics.motion.line import InverseSolutions, LineArm, plan_line
+from holonom.mechanics.motion.profile import (
+    PROFILES,
+    GridSamples,
+    Law,
+    LawSamples,
+    Rise,
+    on_grid,
+    sample,
+    time_law,
+)
+from holonom.mechanics.motion.stop import stop
+from holonom.mechanics.motion.trajectory import JointLimits, Trajectory
+
+__all__ = [
+    "PROFILES",
+    "GridSamples",
+    "InverseSolutions",
+    "JointLimits",
+    "Law",
+    "LawSamples",
+    "LineArm",
+    "Rise",
+    "Trajectory",
+    "blend",
+    "on_grid",
+    "plan_joint",
+    "plan_line",
+    "sample",
+    "splice",
+    "stop",
+    "time_law",
+]
