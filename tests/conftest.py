@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 import os
+import subprocess
+import sys
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
@@ -48,6 +52,22 @@ def eaik() -> ModuleType:
 def roboticstoolbox() -> ModuleType:
     """Corke's robotics toolbox."""
     return _peer("roboticstoolbox")
+
+
+@pytest.fixture(scope="session")
+def example_run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Run an example's cell once per session, as a user does; give its run folder ("01_sort_coins" -> path)."""
+
+    @functools.cache
+    def run(name: str) -> Path:
+        folder = tmp_path_factory.mktemp(name) / "run"
+        cell = ROOT / "examples" / name / "cell.toml"
+        command = [sys.executable, "-m", "holonom", "run", cell, "-o", folder, "--quiet"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        return folder
+
+    return run
 
 
 def _peer(name: str) -> ModuleType:
