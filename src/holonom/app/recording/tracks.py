@@ -80,4 +80,6 @@ class Recording:
         times = [self.joints.time, self.reference.time, self.drives.time]
         times += [frame.time for frame in self.frames.values()]
         last = [float(time[-1]) for time in times if len(time)]
-        return max(last + [record.time for record in (*self.signals[-1:], *self.events[-1:])], default=0.0)
+        last += [signal.time for signal in self.signals[-1:]]
+        last += [event.time for event in self.events[-1:]]
+        return max(last, default=0.0)

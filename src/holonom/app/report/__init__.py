@@ -1,0 +1,40 @@
+"""The report of a run: one HTML file that opens from disk, with no network.
+
+Writing
+    `write_report`: recording, scene and the sections below to one file.
+What the replay shows
+    `Scene` of shapes fixed in recorded frames: `Tube`, `Box`, `Disc`, `Label`; `View` for its cameras.
+    `arm_shapes` gives those of a preset arm, `gripper_shapes` those of a two-finger gripper.
+Sections
+    `Outcome` (how the run ended), `LimitUse` (peaks against limits), `PhotoOverlay` of `Detection`
+    (what the camera found), `Comparison` of `ComparedRun` in `Phase` (two controllers on one path).
+Inside
+    `embed` (numbers for the page, packed), `sections` and `comparison` (their HTML), `page` (the whole),
+    `assets` (script, style and the bundled libraries; `tools/bundle_report_assets.sh` rebuilds those).
+"""
+
+from holonom.app.report.arms import arm_shapes, gripper_shapes
+from holonom.app.report.comparison import ComparedRun, Comparison, Phase
+from holonom.app.report.page import write_report
+from holonom.app.report.scene import Box, Disc, Label, Scene, Shape, Tube, View
+from holonom.app.report.sections import Detection, LimitUse, Outcome, PhotoOverlay
+
+__all__ = [
+    "Box",
+    "ComparedRun",
+    "Comparison",
+    "Detection",
+    "Disc",
+    "Label",
+    "LimitUse",
+    "Outcome",
+    "Phase",
+    "PhotoOverlay",
+    "Scene",
+    "Shape",
+    "Tube",
+    "View",
+    "arm_shapes",
+    "gripper_shapes",
+    "write_report",
+]

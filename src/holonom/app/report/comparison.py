@@ -1,0 +1,155 @@
+"""Comparing how well several runs kept to one path, part by part."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["ComparedRun", "Comparison", "Phase", "comparison_html", "phase_errors"]
+
+Array = NDArray[np.float64]
+
+_COLOURS = ("#d9480f", "#0b7285", "#5f3dc4", "#2b8a3e")
+_SIDE = 300.0
+"""Side of a drawing, in its own units."""
+
+
+@dataclass(frozen=True, slots=True)
+class Phase:
+    """A part of a run, from `start` to `end` in s of that run."""
+
+    name: str
+    start: float
+    end: float
+
+
+@dataclass(frozen=True, slots=True)
+class ComparedRun:
+    """One run: `time` (N,) in s, `desired` and `actual` tool points (N, 3) in m, and its phases."""
+
+    name: str
+    time: Array
+    desired: Array
+    actual: Array
+    phases: tuple[Phase, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """Runs with the same phases in the same order; each is set against the last one."""
+
+    runs: tuple[ComparedRun, ...]
+
+
+def phase_errors(run: ComparedRun, phase: Phase) -> tuple[float, float]:
+    """Root mean square and peak of the distance between desired and actual tool point at the same instant, m."""
+    desired, actual = _within(run, phase)
+    distance = np.linalg.norm(actual - desired, axis=1)
+    return float(np.sqrt(np.mean(distance**2))), float(distance.max())
+
+
+def comparison_html(comparison: Comparison | None) -> str:
+    """A table of errors with ratios, and drawings of the path with the deviation magnified."""
+    if comparison is None:
+        return ""
+    drawings = "".join(_phase_drawings(comparison, i) for i in range(len(comparison.runs[0].phases)))
+    return (
+        '<section id="comparison" class="card"><h2>Tracking error compared</h2>'
+        f"{_table(comparison)}<div class='drawings'>{drawings}</div>"
+        '<p class="note">Distance between the desired and the actual tool point at the same instant.</p></section>'
+    )
+
+
+def _table(comparison: Comparison) -> str:
+    runs, last = comparison.runs, comparison.runs[-1]
+    head = "".join(
+        f'<th colspan="2"><i style="background:{_COLOURS[i % 4]}"></i>{escape(run.name)}</th>'
+        for i, run in enumerate(runs)
+    )
+    ratios = "".join(f'<th colspan="2">{escape(run.name)} : {escape(last.name)}</th>' for run in runs[:-1])
+    units = "<th>rms mm</th><th>peak mm</th>" * len(runs) + "<th>rms</th><th>peak</th>" * (len(runs) - 1)
+    rows = "".join(_table_row(comparison, i) for i in range(len(last.phases)))
+    return (
+        f'<table class="compare"><thead><tr><th></th>{head}{ratios}</tr><tr><th></th>{units}</tr></thead>'
+        f"<tbody>{rows}</tbody></table>"
+    )
+
+
+def _table_row(comparison: Comparison, index: int) -> str:
+    errors = [phase_errors(run, run.phases[index]) for run in comparison.runs]
+    values = "".join(f"<td>{1e3 * rms:.3f}</td><td>{1e3 * peak:.3f}</td>" for rms, peak in errors)
+    ratios = "".join(
+        f"<td><b>{_ratio(rms, errors[-1][0])}</b></td><td><b>{_ratio(peak, errors[-1][1])}</b></td>"
+        for rms, peak in errors[:-1]
+    )
+    return f"<tr><th>{escape(comparison.runs[-1].phases[index].name)}</th>{values}{ratios}</tr>"
+
+
+def _ratio(above: float, below: float) -> str:
+    return f"{above / below:.1f}" if below > 0 else "∞"
+
+
+def _phase_drawings(comparison: Comparison, index: int) -> str:
+    parts = [_within(run, run.phases[index]) for run in comparison.runs]
+    desired = np.concatenate([part[0] for part in parts])
+    plane = _drawing_plane(desired)
+    flat = (desired - desired.mean(axis=0)) @ plane.T
+    extent = float(np.ptp(flat, axis=0).max())
+    worst = max(float(np.linalg.norm((actual - wanted) @ plane.T, axis=1).max()) for wanted, actual in parts)
+    gain = _round_down(0.12 * extent / worst) if worst > 0 else 1.0
+    centre = (flat.max(axis=0) + flat.min(axis=0)) / 2 + desired.mean(axis=0) @ plane.T
+    scale = 0.72 * _SIDE / extent
+    return "".join(
+        _drawing(run.name, run.phases[index].name, gain, _COLOURS[i % 4], _lines(part, plane, centre, scale, gain))
+        for i, (run, part) in enumerate(zip(comparison.runs, parts, strict=True))
+    )
+
+
+def _lines(
+    part: tuple[Array, Array], plane: Array, centre: Array, scale: float, gain: float
+) -> tuple[str, str]:
+    """SVG points of the desired path and of the actual one with its deviation magnified."""
+    desired, actual = part
+    wanted = (desired @ plane.T - centre) * scale
+    shown = wanted + gain * scale * (actual - desired) @ plane.T
+    return _points(wanted), _points(shown)
+
+
+def _points(flat: Array) -> str:
+    x, y = _SIDE / 2 + flat[:, 0], _SIDE / 2 - flat[:, 1]
+    return " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
+
+
+def _drawing(run: str, phase: str, gain: float, colour: str, lines: tuple[str, str]) -> str:
+    return (
+        f'<figure><svg viewBox="0 0 {_SIDE:g} {_SIDE:g}" role="img" aria-label="path of {escape(run)}">'
+        f'<polyline class="desired" points="{lines[0]}"/>'
+        f'<polyline points="{lines[1]}" style="stroke:{colour}"/></svg>'
+        f"<figcaption><b>{escape(phase)}</b>, {escape(run)}<br>deviation × {gain:g}</figcaption></figure>"
+    )
+
+
+def _drawing_plane(points: Array) -> Array:
+    """Right and up (2, 3) in the plane that fits the points best: up is world z, or world y in a level plane."""
+    normal = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][2]
+    level = abs(normal[2]) > 0.7
+    up = np.array([0.0, 1.0, 0.0]) if level else np.array([0.0, 0.0, 1.0])
+    up -= normal * (normal @ up)
+    up /= np.linalg.norm(up)
+    right = np.cross(up, normal)
+    toward = right[0] if level else right[1]
+    return np.array([right if toward >= 0 else -right, up])
+
+
+def _round_down(value: float) -> float:
+    """The next lower of 1, 2, 5, 10, 20, 50, ...; at least 1."""
+    decade = 10.0 ** np.floor(np.log10(max(value, 1.0)))
+    return float(max(step * decade for step in (1, 2, 5) if step * decade <= max(value, 1.0)))
+
+
+def _within(run: ComparedRun, phase: Phase) -> tuple[Array, Array]:
+    inside = (run.time >= phase.start) & (run.time <= phase.end)
+    return run.desired[inside], run.actual[inside]

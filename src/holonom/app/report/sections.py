@@ -1,0 +1,196 @@
+"""Sections of the report that need no script: facts, limits, photograph, events."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.signals import Event
+
+__all__ = [
+    "Detection",
+    "LimitUse",
+    "Outcome",
+    "PhotoOverlay",
+    "events_html",
+    "facts_html",
+    "limits_html",
+    "photo_html",
+    "program_html",
+]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How the run ended: `ok`, and one line that says it."""
+
+    ok: bool
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class LimitUse:
+    """Peak of a quantity per joint against its limit, (n,) each, in `unit`, absolute values."""
+
+    quantity: str
+    unit: str
+    peak: Array
+    limit: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Detection:
+    """A part that the camera found.
+
+    Attributes
+    ----------
+    u, v, diameter
+        Centre and diameter on the photograph, px.
+    group
+        Its class, a key of `PhotoOverlay.groups`.
+    x, y, size
+        Centre in the table frame and diameter, m.
+    frame
+        Its frame in the recording.
+    """
+
+    u: float
+    v: float
+    diameter: float
+    group: str
+    x: float
+    y: float
+    size: float
+    frame: str
+
+
+@dataclass(frozen=True, slots=True)
+class PhotoOverlay:
+    """The photograph (PNG file as bytes, width and height in pixels) and what was found on it.
+
+    `groups` gives each group its colour, in the order of the legend; detections are numbered from 1.
+    """
+
+    png: bytes
+    width: int
+    height: int
+    detections: tuple[Detection, ...]
+    groups: Mapping[str, str]
+    caption: str = ""
+
+
+def facts_html(facts: Mapping[str, str]) -> str:
+    """The run in a few numbers: label and value."""
+    items = "".join(
+        f"<div><dt>{escape(label)}</dt><dd>{escape(value)}</dd></div>" for label, value in facts.items()
+    )
+    return f'<dl class="facts">{items}</dl>' if facts else ""
+
+
+def limits_html(joint_names: Sequence[str], limits: Iterable[LimitUse]) -> str:
+    """A table, joints down and quantities across, each cell a bar from nothing to its limit."""
+    uses = tuple(limits)
+    if not uses:
+        return ""
+    head = "".join(f"<th>{escape(use.quantity)} <small>{escape(use.unit)}</small></th>" for use in uses)
+    rows = "".join(
+        f"<tr><th>{escape(name)}</th>{''.join(_limit_cell(use, i) for use in uses)}</tr>"
+        for i, name in enumerate(joint_names)
+    )
+    return _section(
+        "limits",
+        "Limits touched",
+        f'<table class="limits"><thead><tr><th></th>{head}</tr></thead><tbody>{rows}</tbody></table>'
+        '<p class="note">Largest value of the run against its limit, joint by joint.</p>',
+    )
+
+
+def photo_html(photo: PhotoOverlay | None) -> str:
+    """The photograph with a numbered circle on every part found."""
+    if photo is None:
+        return ""
+    marks = "".join(_mark(i, part, photo) for i, part in enumerate(photo.detections, start=1))
+    counts = {group: sum(part.group == group for part in photo.detections) for group in photo.groups}
+    legend = "".join(
+        f'<li><i style="background:{escape(colour)}"></i>{escape(group)} <b>{counts[group]}</b></li>'
+        for group, colour in photo.groups.items()
+    )
+    image = base64.b64encode(photo.png).decode()
+    caption = f'<p class="note">{escape(photo.caption)}</p>' if photo.caption else ""
+    return _section(
+        "photograph",
+        "What the camera saw",
+        f'<figure class="photo" style="aspect-ratio:{photo.width}/{photo.height}">'
+        f'<img id="photo" alt="photograph of the table" src="data:image/png;base64,{image}">'
+        f'<svg viewBox="0 0 {photo.width} {photo.height}" role="img" aria-label="parts found">{marks}</svg></figure>'
+        f'<div class="found"><div class="scroll">{_parts_table(photo)}</div></div>'
+        f'<ul class="legend">{legend}</ul>{caption}',
+    )
+
+
+def events_html(events: Sequence[Event]) -> str:
+    """The log: time, level, program line, text; a click moves the replay there."""
+    rows = "".join(
+        f'<tr class="{escape(e.level)}" data-time="{e.time:.3f}"><td>{e.time:.2f}</td>'
+        f"<td>{e.line or ''}</td><td>{escape(e.source)}</td><td>{escape(e.text)}</td></tr>"
+        for e in events
+    )
+    body = (
+        '<div class="scroll"><table class="events"><thead><tr><th>time&nbsp;s</th><th>line</th>'
+        f"<th>source</th><th>event</th></tr></thead><tbody>{rows}</tbody></table></div>"
+    )
+    return _section("log", "Events", body if events else '<p class="note">No events were recorded.</p>')
+
+
+def program_html(program: str) -> str:
+    """The program, line by line; the script marks the line that runs."""
+    lines = "".join(
+        f'<li data-line="{number}"><code>{escape(line) or " "}</code></li>'
+        for number, line in enumerate(program.splitlines(), start=1)
+    )
+    return f'<div class="card program"><h2>Program</h2><ol id="program">{lines}</ol></div>' if lines else ""
+
+
+def _limit_cell(use: LimitUse, joint: int) -> str:
+    peak, limit = float(use.peak[joint]), float(use.limit[joint])
+    ratio = peak / limit
+    level = "over" if ratio > 1 else "near" if ratio > 0.9 else "fine"
+    return (
+        f'<td class="{level}" title="{peak:.4g} of {limit:.4g} {escape(use.unit)}">'
+        f'<span class="bar"><i style="width:{min(ratio, 1):.1%}"></i></span>'
+        f"<span class='value'>{peak:.3g} / {limit:.3g}</span><b>{ratio:.0%}</b></td>"
+    )
+
+
+def _mark(number: int, part: Detection, photo: PhotoOverlay) -> str:
+    colour = escape(photo.groups[part.group])
+    title = f"{number}: {part.group}, {part.diameter:.1f} px"
+    return (
+        f'<g data-frame="{escape(part.frame)}" style="--c:{colour}"><title>{escape(title)}</title>'
+        f'<circle cx="{part.u:.2f}" cy="{part.v:.2f}" r="{part.diameter / 2:.2f}"/>'
+        f'<text x="{part.u:.2f}" y="{part.v:.2f}">{number}</text></g>'
+    )
+
+
+def _parts_table(photo: PhotoOverlay) -> str:
+    rows = "".join(
+        f'<tr data-frame="{escape(part.frame)}"><td>{number}</td>'
+        f'<td><i style="background:{escape(photo.groups[part.group])}"></i>{escape(part.group)}</td>'
+        f"<td>{1e3 * part.size:.1f}</td><td>{1e3 * part.x:.1f}</td><td>{1e3 * part.y:.1f}</td></tr>"
+        for number, part in enumerate(photo.detections, start=1)
+    )
+    return (
+        '<table class="parts"><thead><tr><th>#</th><th>class</th><th>diameter mm</th><th>x mm</th><th>y mm</th>'
+        f"</tr></thead><tbody>{rows}</tbody></table>"
+    )
+
+
+def _section(name: str, title: str, body: str) -> str:
+    return f'<section id="{name}" class="card"><h2>{escape(title)}</h2>{body}</section>'
