@@ -17,5 +17,5 @@ html_theme = "alabaster"
 html_theme_options = {
     "description": "Robot control system: everything between a joint motor and a robot program",
     "fixed_sidebar": True,
-    "page_width": "1080px",
+    "page_width": "1280px",
 }
