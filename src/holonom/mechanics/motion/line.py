@@ -11,8 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from holonom.errors import MotionError, NotAPose
+from holonom.mechanics.arm import IkStatus
 from holonom.mechanics.motion.profile import GridSamples, on_grid, time_law
 from holonom.mechanics.motion.trajectory import STILL, JointLimits, Trajectory, joint_vector, standstill
+from holonom.spatial import check_pose
 
 __all__ = ["InverseSolutions", "LineArm", "plan_line"]
 
@@ -23,7 +25,7 @@ _MARGIN = 1.002  # slowed a little more than computed, for the new samples lie e
 _PASSES = 8
 _JUMP = 0.2  # joint motion between two samples (rad or m) that the Jacobian does not explain
 _START = 1e-6  # largest difference (rad or m) between q0 and its own inverse
-_RIGID = 1e-6  # largest error of a rotation matrix's products
+_ROUNDING = 1e-9  # by which a position (rad or m) may pass its limit
 _OFF = 1e-6  # part of the tool's motion that an arm with fewer than six joints may miss
 
 
@@ -36,7 +38,7 @@ class InverseSolutions(Protocol):
 
     @property
     def status(self) -> NDArray[np.integer[Any]]:
-        """Status (..., k); 0 where the branch reaches the pose."""
+        """What became of each branch, an `IkStatus` (..., k)."""
 
 
 class LineArm(Protocol):
@@ -132,7 +134,10 @@ def plan_line(
     """
     bounds = arm.limits if limits is None else limits
     start = joint_vector("q0", q0, bounds.lower.shape[0])
-    course = _course(arm.fk(start), _pose(T1))
+    goal = check_pose(T1, "the goal T1")
+    if goal.ndim != 2:
+        raise NotAPose(f"the goal T1 has shape {goal.shape}; give one pose (4, 4)")
+    course = _course(arm.fk(start), goal)
     way, angle = float(np.linalg.norm(course.shift)), float(np.linalg.norm(course.turn))
     if way < STILL and angle < STILL:
         return standstill(start, dt, line)
@@ -177,11 +182,7 @@ def _inverse(arm: LineArm, start: Array, course: _Course, s: Array) -> _Geometry
     """Joints along the line on the branch of `start`, in one batch."""
     solutions = arm.ik(_poses(course, s))
     branch = _branch(solutions, start)
-    failed = solutions.status[:, branch] != 0
-    if failed.any():
-        at = float(s[np.argmax(failed)])
-        code = solutions.status[np.argmax(failed), branch]
-        raise MotionError(f"{_where(course, at)} the arm does not reach the pose on its branch (status {code})")
+    _check_status(solutions.status[:, branch], course, s)
     q = np.unwrap(solutions.q[:, branch], axis=0)
     q += 2.0 * np.pi * np.round((start - q[0]) / (2.0 * np.pi))
     q[0] = start
@@ -192,15 +193,25 @@ def _inverse(arm: LineArm, start: Array, course: _Course, s: Array) -> _Geometry
         row, joint = np.unravel_index(int(np.argmax(unexplained)), unexplained.shape)
         raise MotionError(
             f"{_where(course, float(s[row + 1]))} joint {joint + 1} would jump: the line passes a singular "
-            "pose; go there by a joint motion"
+            "pose; use a joint motion"
         )
     return _Geometry(q, slope)
+
+
+def _check_status(status: NDArray[np.integer[Any]], course: _Course, s: Array) -> None:
+    """Refuse what cannot be reached; limits are checked later, on the turns that the joints really make."""
+    for bad, words in (
+        (IkStatus.UNREACHABLE, "the pose is out of the arm's reach; choose a nearer one"),
+        (IkStatus.SINGULAR, "the arm is singular; use a joint motion"),
+    ):
+        if (status == bad).any():
+            raise MotionError(f"{_where(course, float(s[np.argmax(status == bad)]))} {words}")
 
 
 def _branch(solutions: InverseSolutions, start: Array) -> int:
     """Index of the branch that `start` lies on, from the solutions for its own pose."""
     difference = (solutions.q[0] - start + np.pi) % (2.0 * np.pi) - np.pi
-    distance = np.where(solutions.status[0] == 0, np.abs(difference).max(axis=-1), inf)
+    distance = np.where(solutions.status[0] != IkStatus.UNREACHABLE, np.abs(difference).max(axis=-1), inf)
     branch = int(np.argmin(distance))
     if not distance[branch] <= _START:
         raise MotionError(
@@ -221,7 +232,7 @@ def _solve(J: Array, twist: Array, course: _Course, s: Array) -> Array:
     except np.linalg.LinAlgError as error:
         smallest = np.linalg.svd(J, compute_uv=False)[:, -1]
         at = float(s[np.argmin(smallest)])
-        raise MotionError(f"{_where(course, at)} the arm is singular; go there by a joint motion") from error
+        raise MotionError(f"{_where(course, at)} the arm is singular; use a joint motion") from error
     missed = np.abs((J @ u)[..., 0] - twist).max(axis=-1)
     if missed.max() > _OFF * np.linalg.norm(twist):
         at = float(s[np.argmax(missed)])
@@ -244,7 +255,7 @@ def _excess(trajectory: Trajectory, limits: JointLimits) -> Array:
 
 
 def _check_positions(q: Array, limits: JointLimits, course: _Course, s: Array) -> None:
-    outside = (q < limits.lower) | (q > limits.upper)
+    outside = (q < limits.lower - _ROUNDING) | (q > limits.upper + _ROUNDING)
     if outside.any():
         row = int(np.argmax(outside.any(axis=1)))
         j = int(np.argmax(outside[row]))
@@ -261,14 +272,3 @@ def _where(course: _Course, s: float) -> str:
 
 def _per(limit: float, distance: float) -> float:
     return limit / distance if distance > 0.0 else inf
-
-
-def _pose(value: ArrayLike) -> Array:
-    T = np.asarray(value, dtype=np.float64)
-    if T.shape != (4, 4):
-        raise NotAPose(f"goal of shape {T.shape}; give a rigid transform (4, 4)")
-    R = T[:3, :3]
-    rigid = np.isfinite(T).all() and np.abs(R @ R.T - np.eye(3)).max() < _RIGID and np.linalg.det(R) > 0.0
-    if not rigid or (T[3] != (0.0, 0.0, 0.0, 1.0)).any():
-        raise NotAPose(f"goal is no rigid transform (rotation, position, last row 0 0 0 1):\n{T}")
-    return T
