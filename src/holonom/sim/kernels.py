@@ -159,7 +159,9 @@ def _position_loop(axis: Any, state: Any, reference: float, speed: float) -> Non
 @njit(cache=True, error_model="numpy")
 def _speed_loop(axis: Any, state: Any, mode: int) -> None:
     wanted = 0.0 if mode == STOP else state.speed_reference
-    state.current_reference, state.speed_integral = speed_step(axis.speed, state.speed_integral, wanted, state.rate, 0.0)
+    state.current_reference, state.speed_integral = speed_step(
+        axis.speed, state.speed_integral, wanted, state.rate, 0.0
+    )
 
 
 @njit(cache=True, error_model="numpy")

@@ -8,7 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from holonom.control import AxisLimits, SampleTimes, ServoAxis, Violation, acceleration_params, design_cascade, drive_fault
+from holonom.control import (
+    AxisLimits,
+    SampleTimes,
+    ServoAxis,
+    Violation,
+    acceleration_params,
+    design_cascade,
+    drive_fault,
+)
 from holonom.devices import DcMotor, Encoder, Friction, Gear, tracking_params
 from holonom.errors import ModelError, UnknownName
 from holonom.mechanics import Arm
@@ -17,7 +25,7 @@ from holonom.sim.kernels import CASCADE, COMPUTED_TORQUE, POSITION_TICK, SPEED_T
 from holonom.sim.plant_equation import plant_kernel
 from holonom.sim.records import STATE, Axis, axis_table
 
-__all__ = ["CONTROLLERS", "ControlSettings", "Ground", "Plant", "STEP", "TICK"]
+__all__ = ["CONTROLLERS", "STEP", "TICK", "ControlSettings", "Ground", "Plant"]
 
 Array = NDArray[np.float64]
 

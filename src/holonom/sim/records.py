@@ -31,7 +31,9 @@ class Axis(NamedTuple):
 
 
 def _layout(params: type) -> np.dtype[np.void]:
-    return np.dtype([(name, _layout(kind) if kind is not float else np.float64) for name, kind in get_type_hints(params).items()])
+    return np.dtype(
+        [(name, _layout(kind) if kind is not float else np.float64) for name, kind in get_type_hints(params).items()]
+    )
 
 
 AXIS = _layout(Axis)
@@ -67,4 +69,6 @@ STATE = np.dtype(
 
 def axis_table(axes: list[Axis]) -> NDArray[np.void]:
     """Return the axes as an array (n,) of `AXIS` records."""
-    return np.array([tuple(tuple(part) if isinstance(part, tuple) else part for part in axis) for axis in axes], dtype=AXIS)
+    return np.array(
+        [tuple(tuple(part) if isinstance(part, tuple) else part for part in axis) for axis in axes], dtype=AXIS
+    )

@@ -1,0 +1,127 @@
+"""`DryMachine`: an arm without dynamics, for checking a program off-line. It satisfies `lang.Machine`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.errors import MotionError, OutOfLimits
+from holonom.mechanics import Arm
+from holonom.sim.machine import PROGRAM_TICK, LineSettings, MotionRequest, plan
+
+__all__ = ["DryMachine", "Problem"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """A motion that cannot be made: program line and cause."""
+
+    line: int
+    text: str
+
+
+class DryMachine:
+    """Every motion is planned exactly as the simulation would, then taken as done.
+
+    `problems` collects what could not be planned; the arm then stays where it was. `moved` counts motions, `time` adds up their
+    durations (from rest to rest: an upper estimate of the cycle time).
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        q: Array,
+        *,
+        look: Callable[[], Sequence[Any]],
+        ready: Array,
+        line: LineSettings,
+        hand_time: float,
+    ) -> None:
+        self.arm, self.line = arm, line
+        self.problems: list[Problem] = []
+        self.moved = 0
+        self.said: list[str] = []
+        self._q, self._ready, self._look, self._hand_time = q.copy(), ready, look, hand_time
+        self._clock = 0.0
+        self._parts: list[Any] = []
+        self._signals: dict[int, bool] = {}
+
+    def move(self, motion: MotionRequest) -> bool:
+        """Plan a motion and take it as made."""
+        self.moved += 1
+        try:
+            trajectory = plan(self.arm, self._q, motion, self.line)
+        except (MotionError, OutOfLimits) as problem:
+            self.problems.append(Problem(motion.line, str(problem)))
+            return True
+        self._q = trajectory.q[-1].copy()
+        self._clock += trajectory.duration
+        return True
+
+    def tick(self) -> None:
+        """Let a program tick pass."""
+        self._clock += PROGRAM_TICK
+
+    def idle(self) -> bool:
+        """Motions end at once."""
+        return True
+
+    def set_hand(self, opening: float) -> None:
+        """The hand takes its time."""
+        del opening
+        self._clock += self._hand_time
+
+    def hand_idle(self) -> bool:
+        """The hand arrives at once."""
+        return True
+
+    def set_signal(self, number: int, on: bool) -> None:
+        """Switch a digital output."""
+        self._signals[number] = on
+
+    def signal(self, number: int) -> bool:
+        """Read back a digital output."""
+        return self._signals.get(number, False)
+
+    def picture(self) -> int:
+        """Take the cell's picture."""
+        self._parts = list(self._look())
+        return len(self._parts)
+
+    def locate(self, kind: str) -> Any:
+        """Return the next part of this kind ("" for any), None when there is none left."""
+        for k, part in enumerate(self._parts):
+            if kind in ("", part.kind):
+                return self._parts.pop(k)
+        return None
+
+    def destination(self) -> Array:
+        """T_wt (4, 4) where the last motion ended."""
+        return self.arm.fk(self._q)
+
+    def joints(self) -> Array:
+        """Joint positions (n,)."""
+        return self._q.copy()
+
+    def pose(self) -> Array:
+        """T_wt (4, 4)."""
+        return self.arm.fk(self._q)
+
+    def ready_joints(self) -> Array:
+        """The READY position (n,)."""
+        return self._ready
+
+    def time(self) -> float:
+        """Estimated time, s."""
+        return self._clock
+
+    def say(self, text: str, line: int) -> None:
+        """Keep what TYPE says."""
+        del line
+        self.said.append(text)

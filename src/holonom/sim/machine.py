@@ -1,0 +1,312 @@
+"""`SimulatedMachine`: what an ARPS program moves when there is no hardware. It satisfies `lang.Machine`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.errors import DriveFault, MotionError
+from holonom.mechanics import Arm, IkStatus
+from holonom.mechanics.motion import Trajectory, plan_joint, plan_line, splice, stop
+from holonom.signals import DriveState, Event, FramePoses, JointCommand, JointState, Signal, Sink
+from holonom.sim.plant import TICK, Plant
+from holonom.sim.world import World
+
+__all__ = ["PROGRAM_TICK", "LineSettings", "SimulatedMachine", "branch_joints", "plan"]
+
+Array = NDArray[np.float64]
+
+PROGRAM_TICK = 0.01
+"""Interval of the program and of the recording, s."""
+SAMPLES = round(PROGRAM_TICK / TICK)
+SETTLED = {"fine": 2e-4, "coarse": 2e-3}
+"""Following error (rad) below which a motion counts as ended."""
+SETTLED_SPEED = 0.02
+"""Joint speed (rad/s) below which the arm counts as standing."""
+
+
+class MotionRequest(Protocol):
+    """The part of `lang.Motion` that a machine reads; see there."""
+
+    kind: Any
+    pose: Array | None
+    joints: Array | None
+    speed: float
+    speed_mps: float | None
+    acceleration: float
+    configuration: Any
+    blend: bool
+    tolerance: Any
+    line: int
+
+
+@dataclass(frozen=True, slots=True)
+class LineSettings:
+    """Nominal straight-line motion: m/s, m/s2, rad/s, rad/s2."""
+
+    speed: float = 0.5
+    acceleration: float = 2.0
+    rotation_speed: float = 2.0
+    rotation_acceleration: float = 8.0
+
+
+def branch_joints(arm: Arm, T: Array, q0: Array, configuration: Any) -> Array:
+    """Joints (n,) that bring the tool to T_wt: the branch nearest to q0, or nearest of those named.
+
+    Raises
+    ------
+    MotionError
+        No reachable branch inside the joint limits; says whether reach or which limit is the cause.
+    """
+    wanted = [w for w in (configuration.shoulder, configuration.elbow, configuration.wrist) if w is not None]
+    if not wanted:
+        nearest = arm.ik_nearest(T, q0)
+        if nearest.status in (IkStatus.OK, IkStatus.SINGULAR):
+            return nearest.q
+    found = arm.ik(T)
+    fits = np.array([all(w in name.split() for w in wanted) for name in found.names])
+    good = fits & ((found.status == IkStatus.OK) | (found.status == IkStatus.SINGULAR))
+    if not good.any():
+        raise MotionError(_why(arm, T, found.q[fits], found.status[fits], wanted))
+    turns = np.abs(found.q[good] - q0).max(-1)
+    q: Array = found.q[good][np.argmin(turns)]
+    return q
+
+
+def _why(arm: Arm, T: Array, q: Array, status: Array, wanted: Sequence[str]) -> str:
+    place = ", ".join(f"{1e3 * v:.1f}" for v in T[:3, 3])
+    named = f" as {' '.join(wanted)}" if wanted else ""
+    if (status == IkStatus.UNREACHABLE).all():
+        return f"the tool cannot reach ({place}) mm{named}: out of reach of the arm; move the location nearer to it"
+    limits = arm.limits
+    inside = q[status == IkStatus.LIMIT]
+    excess = np.maximum(limits.lower - inside, inside - limits.upper).clip(0.0)
+    best = inside[np.argmin(excess.max(-1))]
+    j = int(np.argmax(np.maximum(limits.lower - best, best - limits.upper)))
+    return (
+        f"the tool can reach ({place}) mm{named} only outside a joint limit: {limits.names[j]} would be at "
+        f"{np.degrees(best[j]):.1f} deg; its limits are {np.degrees(limits.lower[j]):.0f} to "
+        f"{np.degrees(limits.upper[j]):.0f} deg"
+    )
+
+
+def plan(arm: Arm, q0: Array, motion: MotionRequest, settings: LineSettings) -> Trajectory:
+    """Return the trajectory of one motion from rest at q0 (n,).
+
+    Raises
+    ------
+    MotionError, OutOfLimits
+        The motion cannot be made.
+    """
+    if motion.kind == "line":
+        assert motion.pose is not None
+        speed = motion.speed_mps if motion.speed_mps is not None else motion.speed * settings.speed
+        return plan_line(
+            arm,
+            q0,
+            motion.pose,
+            speed=speed,
+            rotation_speed=settings.rotation_speed * min(1.0, max(motion.speed, speed / settings.speed)),
+            acceleration=motion.acceleration * settings.acceleration,
+            rotation_acceleration=motion.acceleration * settings.rotation_acceleration,
+            dt=TICK,
+            line=motion.line,
+        )
+    q1 = motion.joints
+    if q1 is None:
+        assert motion.pose is not None
+        q1 = branch_joints(arm, motion.pose, q0, motion.configuration)
+    return plan_joint(
+        q0, q1, arm.limits, speed=motion.speed, acceleration=motion.acceleration, dt=TICK, line=motion.line
+    )
+
+
+class SimulatedMachine:
+    """A plant with a trajectory queue, a hand, a camera and signals."""
+
+    def __init__(
+        self,
+        plant: Plant,
+        world: World,
+        sink: Sink,
+        *,
+        look: Callable[[], Sequence[Any]],
+        ready: Array,
+        line: LineSettings,
+    ) -> None:
+        self.plant, self.world, self.line = plant, world, line
+        self.arm = plant.arm
+        self._sink, self._look, self._ready = sink, look, ready
+        self._planned = _standing(plant.q)
+        self._consumed = 0
+        self._blend = True
+        self._tolerance = "coarse"
+        self._parts: list[Any] = []
+        self._signals: dict[int, bool] = {}
+        self._record(self._planned.q[-1], np.zeros(self.arm.n), np.zeros(self.arm.n))
+
+    # --- what lang.Machine asks for -----------------------------------------------------------------------------
+
+    def move(self, motion: MotionRequest) -> bool:
+        """Take a motion, blended into the present one if both allow it; False while one is already waiting."""
+        if self.idle():
+            self._planned, self._consumed = plan(self.arm, self._planned.q[-1], motion, self.line), 0
+        elif self._blend and self._consumed >= self._planned.begin:
+            following = plan(self.arm, self._planned.q[-1], motion, self.line)
+            self._planned = splice(self._planned, self._consumed, following, self.arm.limits)
+            self._consumed = 0
+        else:
+            return False
+        self._blend, self._tolerance = motion.blend, motion.tolerance
+        return True
+
+    def idle(self) -> bool:
+        """Whether all motions have ended and the arm has settled."""
+        if self._consumed < len(self._planned.q):
+            return False
+        error = np.abs(self._planned.q[-1] - self.plant.states["position"]).max()
+        speed = np.abs(self.plant.states["speed"]).max()
+        return bool(error < SETTLED[self._tolerance] and speed < SETTLED_SPEED)
+
+    def set_hand(self, opening: float) -> None:
+        """Send the fingers to an opening, m; 0 closes them."""
+        self.world.send_hand(opening)
+
+    def hand_idle(self) -> bool:
+        """Whether the fingers have arrived, at their opening or on a part."""
+        return self.world.hand_idle
+
+    def set_signal(self, number: int, on: bool) -> None:
+        """Switch a digital output."""
+        if self._signals.get(number, False) != on:
+            self._signals[number] = on
+            self._sink.put(Signal(self.time(), number, on))
+
+    def signal(self, number: int) -> bool:
+        """Read back a digital output; inputs of the simulated cell are its outputs."""
+        return self._signals.get(number, False)
+
+    def picture(self) -> int:
+        """Take a picture: the parts the camera sees now."""
+        self._parts = list(self._look())
+        self.log("info", "camera", f"{len(self._parts)} parts seen")
+        return len(self._parts)
+
+    def locate(self, kind: str) -> Any:
+        """Return the next part of this kind ("" for any), None when there is none left."""
+        for k, part in enumerate(self._parts):
+            if kind in ("", part.kind):
+                return self._parts.pop(k)
+        return None
+
+    def destination(self) -> Array:
+        """T_wt where the last commanded motion ends."""
+        return self.arm.fk(self._planned.q[-1].copy())
+
+    def joints(self) -> Array:
+        """Present joint positions (n,)."""
+        return self.plant.q
+
+    def pose(self) -> Array:
+        """Present T_wt (4, 4)."""
+        return self.arm.fk(self.plant.q)
+
+    def ready_joints(self) -> Array:
+        """The READY position (n,)."""
+        return self._ready
+
+    def time(self) -> float:
+        """Simulated time, s."""
+        return self.plant.time
+
+    def say(self, text: str, line: int) -> None:
+        """Log what TYPE says."""
+        self.log("info", "program", text, line)
+
+    # --- the clock's side ---------------------------------------------------------------------------------------
+
+    def log(self, level: str, source: str, text: str, line: int = 0) -> None:
+        """Put an event into the recording."""
+        self._sink.put(Event(self.time(), level, source, text, line))
+
+    @property
+    def active_line(self) -> int:
+        """Source line of the motion under way, 0 when standing."""
+        return self._planned.line if self._consumed < len(self._planned.q) else 0
+
+    def advance(self) -> None:
+        """Advance everything by one program tick.
+
+        Raises
+        ------
+        DriveFault, MotionError
+            An axis left its limits, or a finger hit a part.
+        """
+        reference = self._next_samples()
+        self.plant.advance(reference)
+        T = self.pose()
+        for what in self.world.step(T, PROGRAM_TICK):
+            self.log("info", "hand", what, self.active_line)
+        self.plant.payload = self.world.payload
+        self._record(*reference[:, -1])
+
+    def halt(self) -> None:
+        """End the motion in a controlled way: brake along the path, or hold zero speed after a drive fault."""
+        rest = stop(self._planned, min(self._consumed, len(self._planned.q) - 1), self.arm.limits)
+        self._planned, self._consumed, self._blend = rest, 0, False
+        try:
+            while self._consumed < len(self._planned.q):
+                reference = self._next_samples()
+                self.plant.advance(reference)
+                self._record(*reference[:, -1])
+        except DriveFault:
+            self.brake()
+
+    def brake(self, duration: float = 0.3) -> None:
+        """Hold zero speed whatever the reference was."""
+        for _ in range(round(duration / PROGRAM_TICK)):
+            self.plant.brake(SAMPLES)
+            here, still = self.plant.q, np.zeros(self.arm.n)
+            self._record(here, still, still)
+        self._planned = _standing(self.plant.q)
+        self._consumed = len(self._planned.q)
+
+    def _next_samples(self) -> Array:
+        """The next 10 reference samples (3, 10, n); the last one is held."""
+        last = len(self._planned.q) - 1
+        k = np.minimum(np.arange(self._consumed, self._consumed + SAMPLES), last)
+        self._consumed = min(self._consumed + SAMPLES, last + 1)
+        return np.stack([self._planned.q[k], self._planned.qd[k], self._planned.qdd[k]])
+
+    def _record(self, q: Array, qd: Array, qdd: Array) -> None:
+        now, states = self.time(), self.plant.states
+        put = self._sink.put
+        put(JointCommand(now, q, qd, qdd))
+        put(JointState(now, states["position"].copy(), states["speed"].copy(), states["torque"].copy()))
+        put(DriveState(now, states["current"].copy(), states["voltage"].copy()))
+        put(self.frames(now))
+
+    def frames(self, now: float) -> FramePoses:
+        """World poses of the links, the tool, the fingers and the parts."""
+        frames = self.arm.frames(self.plant.q)
+        tool = frames[-1]
+        names = [f"link{k + 1}" for k in range(self.arm.n)] + ["tool"]
+        poses = [*frames[1:-1], tool]
+        for name, side in (("finger_left", 0.5), ("finger_right", -0.5)):
+            finger = tool.copy()
+            finger[:3, 3] += side * self.world.opening * tool[:3, 1]
+            names.append(name)
+            poses.append(finger)
+        for disc in self.world.discs:
+            names.append(disc.name)
+            poses.append(disc.pose)
+        return FramePoses(now, tuple(names), np.stack(poses))
+
+
+def _standing(q: Array) -> Trajectory:
+    rest = np.zeros((1, q.shape[0]))
+    return Trajectory(TICK, q[None].copy(), rest, rest.copy())

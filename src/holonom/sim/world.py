@@ -1,0 +1,178 @@
+"""Work pieces, the surfaces they lie on and the gripper that carries them: discs, rectangles and two fingers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.errors import MotionError
+from holonom.spatial import inverse
+
+__all__ = ["Disc", "Gripper", "Surface", "World"]
+
+Array = NDArray[np.float64]
+
+GRAVITY = 9.81
+RESTING, HELD, FALLING = "resting", "held", "falling"
+LEAST_OVERLAP = 0.3e-3
+"""Height (m) over which fingertips and disc must overlap for a grasp."""
+
+
+@dataclass(frozen=True, slots=True)
+class Surface:
+    """A horizontal rectangle: pose of its centre T_ws (4, 4), size (m) along its x and y."""
+
+    name: str
+    pose: Array
+    size: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Gripper:
+    """Two parallel fingers at +-y of the tool frame, whose z points from the hand to the fingertips (m, m/s)."""
+
+    max_opening: float
+    finger_width: float
+    finger_thickness: float
+    speed: float
+
+
+@dataclass(slots=True)
+class Disc:
+    """A flat round part: pose of its centre T_wd, radius and thickness (m), mass (kg)."""
+
+    name: str
+    radius: float
+    thickness: float
+    mass: float
+    pose: Array
+    state: str = RESTING
+    fall_speed: float = 0.0
+    in_tool: Array = field(default_factory=lambda: np.eye(4))
+
+
+class World:
+    """What the gripper can touch. `step` is called once per program tick."""
+
+    def __init__(self, surfaces: list[Surface], discs: list[Disc], gripper: Gripper) -> None:
+        self.surfaces, self.discs, self.gripper = surfaces, discs, gripper
+        self.opening = gripper.max_opening
+        self._wanted = self.opening
+        self._blocked = 0.0
+
+    @property
+    def held(self) -> Disc | None:
+        """The disc in the gripper."""
+        return next((d for d in self.discs if d.state == HELD), None)
+
+    @property
+    def hand_idle(self) -> bool:
+        """Whether the fingers stand where they were sent, or on a part."""
+        return abs(self.opening - max(self._wanted, self._blocked)) < 1e-9
+
+    @property
+    def payload(self) -> Array:
+        """Mass (kg) and centre of mass (m, tool frame) of what is held: (4,)."""
+        disc = self.held
+        return np.zeros(4) if disc is None else np.array([disc.mass, *disc.in_tool[:3, 3]])
+
+    def send_hand(self, opening: float) -> None:
+        """Send the fingers to an opening (m)."""
+        self._wanted = min(max(opening, 0.0), self.gripper.max_opening)
+
+    def step(self, T_wt: Array, dt: float) -> list[str]:
+        """Advance by `dt` with the tool at T_wt; return what happened, in words.
+
+        Raises
+        ------
+        MotionError
+            A finger came down on a part.
+        """
+        happened = self._move_fingers(T_wt, dt)
+        for disc in self.discs:
+            if disc.state == HELD:
+                disc.pose = T_wt @ disc.in_tool
+            elif disc.state == FALLING:
+                happened += self._fall(disc, dt)
+        self._check_fingers(T_wt)
+        return happened
+
+    def _move_fingers(self, T_wt: Array, dt: float) -> list[str]:
+        way = self.gripper.speed * dt
+        held = self.held
+        self._blocked = 2.0 * held.radius if held else 0.0
+        if self._wanted > self.opening:
+            self.opening = min(self.opening + way, self._wanted)
+            if held is not None and self.opening > self._blocked:
+                held.state, held.fall_speed = FALLING, 0.0
+                self._blocked = 0.0
+                return [f"released {held.name}"]
+            return []
+        before = self.opening
+        self.opening = max(self.opening - way, self._wanted, self._blocked)
+        if held is None and self.opening < before:
+            return self._try_grasp(T_wt)
+        return []
+
+    def _try_grasp(self, T_wt: Array) -> list[str]:
+        """Close on a disc once the fingers are down to its diameter; the fingers push it to their middle."""
+        to_tool = inverse(T_wt)
+        for disc in self.discs:
+            if disc.state != RESTING:
+                continue
+            in_tool = to_tool @ disc.pose
+            x, y, z = in_tool[:3, 3]
+            overlap = disc.thickness / 2 + z  # of disc and fingertips, which end at z = 0
+            between = abs(x) < self.gripper.finger_width / 2 and abs(y) < disc.radius and overlap > LEAST_OVERLAP
+            if between and z < 0.02 and self.opening <= 2.0 * disc.radius:
+                in_tool[1, 3] = 0.0
+                disc.state, disc.in_tool = HELD, in_tool
+                self._blocked = self.opening = 2.0 * disc.radius
+                return [f"grasped {disc.name}"]
+        return []
+
+    def _fall(self, disc: Disc, dt: float) -> list[str]:
+        disc.fall_speed += GRAVITY * dt
+        floor = self._support(disc) + disc.thickness / 2
+        z = disc.pose[2, 3] - disc.fall_speed * dt
+        disc.pose = disc.pose.copy()
+        if z > floor:
+            disc.pose[2, 3] = z
+            return []
+        flat = np.eye(4)
+        flat[:3, 3] = disc.pose[0, 3], disc.pose[1, 3], floor
+        disc.pose, disc.state = flat, RESTING
+        return [f"{disc.name} lies at {1e3 * flat[0, 3]:.1f}, {1e3 * flat[1, 3]:.1f}, {1e3 * flat[2, 3]:.1f} mm"]
+
+    def _support(self, disc: Disc) -> float:
+        """Height of what lies under a disc's centre: a surface, another disc, the floor."""
+        heights = [0.0]
+        for surface in self.surfaces:
+            x, y = (inverse(surface.pose) @ disc.pose[:, 3])[:2]
+            if abs(x) <= surface.size[0] / 2 and abs(y) <= surface.size[1] / 2:
+                heights.append(float(surface.pose[2, 3]))
+        for other in self.discs:
+            apart = np.hypot(*(other.pose[:2, 3] - disc.pose[:2, 3]))
+            if other is not disc and other.state == RESTING and apart < other.radius + disc.radius - 0.5e-3:
+                heights.append(float(other.pose[2, 3]) + other.thickness / 2)
+        return max(h for h in heights if h <= disc.pose[2, 3])
+
+    def _check_fingers(self, T_wt: Array) -> None:
+        """No finger may stand in a disc: fingertips are rectangles in the tool's x-y plane."""
+        tip = T_wt[2, 3]
+        low = [d for d in self.discs if d.state == RESTING and tip < d.pose[2, 3] + d.thickness / 2 - LEAST_OVERLAP]
+        if not low:
+            return
+        centres = (inverse(T_wt) @ np.stack([d.pose[:, 3] for d in low], axis=1))[:2]
+        dx = np.maximum(np.abs(centres[0]) - self.gripper.finger_width / 2, 0.0)
+        for side in (-1.0, 1.0):
+            middle = side * (self.opening + self.gripper.finger_thickness) / 2
+            dy = np.maximum(np.abs(centres[1] - middle) - self.gripper.finger_thickness / 2, 0.0)
+            for disc, gap in zip(low, np.hypot(dx, dy), strict=True):
+                if gap < disc.radius - 0.5e-3:
+                    raise MotionError(
+                        f"a finger hit {disc.name} ({1e3 * (disc.radius - gap):.1f} mm inside its edge); "
+                        "approach it more centrally, from another angle or with another opening"
+                    )
