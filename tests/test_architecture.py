@@ -18,9 +18,7 @@ from holonom import errors
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCES = sorted((ROOT / "src").rglob("*.py"))
-PACKAGES = sorted(
-    module.name for module in pkgutil.walk_packages(holonom.__path__, "holonom.") if module.ispkg
-)
+PACKAGES = sorted(module.name for module in pkgutil.walk_packages(holonom.__path__, "holonom.") if module.ispkg)
 ERRORS = [getattr(errors, name) for name in errors.__all__]
 HEAVY = {"cv2", "lark", "llvmlite", "mcap", "numba", "pydantic", "rich", "scipy"}
 
@@ -35,9 +33,7 @@ def python(code: str) -> str:
 def test_layers_hold() -> None:
     pytest.importorskip("importlinter", reason="import-linter is not installed; pip install 'holonom[test]'")
     command = "import sys; from importlinter.cli import lint_imports; sys.exit(lint_imports())"
-    done = subprocess.run(
-        [sys.executable, "-c", command], cwd=ROOT, capture_output=True, text=True, check=False
-    )
+    done = subprocess.run([sys.executable, "-c", command], cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout
 
 
@@ -82,18 +78,14 @@ def test_error_tree_is_drawn_as_it_is() -> None:
     assert errors.__doc__ is not None
     drawn: dict[str, str] = {}
     path: list[str] = []
-    for indent, name in re.findall(
-        r"^([│├└─ ]*)(\w+)(?: {2,}|$)", errors.__doc__.split("\n\n")[1], re.MULTILINE
-    ):
+    for indent, name in re.findall(r"^([│├└─ ]*)(\w+)(?: {2,}|$)", errors.__doc__.split("\n\n")[1], re.MULTILINE):
         del path[len(indent) // 4 :]
         drawn[name] = path[-1] if path else "Exception"
         path.append(name)
     assert drawn == {error.__name__: error.__bases__[0].__name__ for error in ERRORS}
 
 
-@pytest.mark.parametrize(
-    "error", [error for error in ERRORS if not error.__subclasses__()], ids=lambda e: e.__name__
-)
+@pytest.mark.parametrize("error", [error for error in ERRORS if not error.__subclasses__()], ids=lambda e: e.__name__)
 def test_every_error_has_a_test(error: type[Exception]) -> None:
     others = [path for path in (ROOT / "tests").rglob("test_*.py") if path != Path(__file__)]
     assert any(error.__name__ in path.read_text("utf-8") for path in others)
