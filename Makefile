@@ -7,6 +7,7 @@ BIN := $(VENV)/bin
 DEMO := runs/sort_coins
 INSTALL = $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e
 
+.DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
 .PHONY: help demo test check bench docs clean
 
