@@ -1,0 +1,162 @@
+"""The command line: exit statuses, messages for people and machines, and what it loads."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from holonom import __version__
+from holonom.app.answer import Answer
+from holonom.app.cli import main
+from holonom.errors import CellError, MotionError
+
+
+def give_run(monkeypatch: pytest.MonkeyPatch, outcome: Answer | BaseException) -> list[tuple[Any, ...]]:
+    """Put a command `run` with a given outcome in place of the real one; returns its calls as they come."""
+    calls: list[tuple[Any, ...]] = []
+
+    def run_cell(cell: Path, output: Path, *, seed: int | None, quiet: bool) -> Answer:
+        calls.append((cell, output, seed, quiet))
+        if isinstance(outcome, BaseException):
+            raise outcome
+        return outcome
+
+    module = ModuleType("holonom.app.run")
+    module.run_cell = run_cell  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "holonom.app.run", module)
+    return calls
+
+
+def test_run_passes_on_what_it_was_given(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    calls = give_run(monkeypatch, Answer("24 coins placed", {"coins": 24}))
+    assert main(["run", "a/cell.toml", "-o", "out", "--seed", "7", "--quiet"]) == 0
+    assert main(["run", "a/cell.toml"]) == 0
+    assert main(["run", "a/cell.toml", "--json"]) == 0
+    cell = Path("a/cell.toml")
+    assert calls == [
+        (cell, Path("out"), 7, True),
+        (cell, Path("runs/a"), None, False),
+        (cell, Path("runs/a"), None, True),
+    ]
+    text, data = capsys.readouterr().out.split("24 coins placed\n")[1:]
+    assert text == ""
+    assert json.loads(data) == {"coins": 24}
+
+
+@pytest.mark.parametrize(("error", "status"), [(CellError("cell.toml:3: bad"), 2), (MotionError("out of reach"), 1)])
+def test_errors_of_ours(
+    error: Exception, status: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    give_run(monkeypatch, error)
+    assert main(["run", "cell.toml"]) == status
+    shown = capsys.readouterr()
+    assert (shown.out, shown.err) == ("", f"holonom: error: {error}\n")
+    assert main(["run", "cell.toml", "--json"]) == status
+    shown = capsys.readouterr()
+    assert shown.err == ""
+    assert json.loads(shown.out) == {"error": {"type": type(error).__name__, "message": str(error), "status": status}}
+
+
+def test_a_defect_shows_its_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
+    give_run(monkeypatch, ZeroDivisionError())
+    with pytest.raises(ZeroDivisionError):
+        main(["run", "cell.toml"])
+
+
+def test_interrupted(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    give_run(monkeypatch, KeyboardInterrupt())
+    assert main(["run", "cell.toml"]) == 130
+    assert "interrupted" in capsys.readouterr().err
+
+
+def test_json_holds_no_nan(monkeypatch: pytest.MonkeyPatch) -> None:
+    give_run(monkeypatch, Answer("", {"x": float("nan")}))
+    with pytest.raises(ValueError, match="JSON"):
+        main(["run", "cell.toml", "--json"])
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [[], ["runn"], ["run"], ["run", "c", "--seed", "x"], ["run", "c", "--seed", "-1"], ["doctor", "--nonsense"]],
+)
+def test_wrong_usage(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as caught:
+        main(arguments)
+    assert caught.value.code == 2
+    assert "usage: holonom" in capsys.readouterr().err
+
+
+def test_doctor_says_what_is_there(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["doctor", "--json"]) == 0
+    data: Mapping[str, Any] = json.loads(capsys.readouterr().out)
+    assert data["holonom"] == __version__
+    assert data["cores"] >= 1
+    assert all(data["packages"].values())
+    assert main(["doctor"]) == 0
+    text = capsys.readouterr().out
+    assert __version__ in text
+    assert data["cache"]["folder"] in text
+
+
+def test_doctor_says_what_is_missing(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    from holonom.app import doctor
+
+    monkeypatch.setattr(doctor, "EXTRAS", {"vision": {"json": "json", "no_such_module": "no-such-package"}})
+    monkeypatch.setattr(doctor, "NEEDED", ("no-such-need",))
+    monkeypatch.setenv("PATH", "")
+    assert main(["doctor"]) == 0
+    text = capsys.readouterr().out
+    assert "[vision]        lacks no-such-package: pip install 'holonom[vision]'" in text
+    assert "no-such-need    missing" in text
+    assert "browser         none" in text
+
+
+def test_doctor_prints_the_schema(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["doctor", "--schema"]) == 0
+    assert capsys.readouterr().out == (Path(__file__).parents[2] / "docs" / "cell.schema.json").read_text("utf-8")
+
+
+def test_doctor_shows_a_kernel(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["doctor", "--show-kernel", "puma560.gravity"]) == 0
+    source = capsys.readouterr().out
+    compile(source, "gravity", "exec")
+    assert "def single" in source
+    assert main(["doctor", "--show-kernel", "gravitty"]) == 2
+    assert "did you mean 'gravity'" in capsys.readouterr().err
+    assert main(["doctor", "--show-kernel", "puma56.gravity"]) == 2
+    assert "did you mean 'puma560'" in capsys.readouterr().err
+
+
+def python(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, *arguments], cwd=folder, capture_output=True, text=True, check=False)
+
+
+def test_as_a_module(tmp_path: Path) -> None:
+    done = python("-m", "holonom", "--version", folder=tmp_path)
+    assert (done.returncode, done.stdout) == (0, f"holonom {__version__}\n")
+    done = python("-m", "holonom", "doctor", "--show-kernel", "nonsense", folder=tmp_path)
+    assert done.returncode == 2
+    assert done.stderr.startswith("holonom: error: ")
+
+
+def test_a_bad_cell_leaves_nothing(tmp_path: Path) -> None:
+    (tmp_path / "cell.toml").write_text("[cell\n")
+    for command in (["run", "cell.toml", "-o", "out"], ["check", "cell.toml"]):
+        done = python("-m", "holonom", *command, folder=tmp_path)
+        assert done.returncode == 2, done.stderr
+        assert done.stderr.startswith("holonom: error: cell.toml:1:6: not TOML: ")
+        assert sorted(tmp_path.iterdir()) == [tmp_path / "cell.toml"]
+
+
+def test_doctor_loads_nothing_heavy(tmp_path: Path) -> None:
+    code = "import sys; from holonom.app.cli import main; main(['doctor']); print(*sys.modules)"
+    loaded = set(python("-c", code, folder=tmp_path).stdout.splitlines()[-1].split())
+    assert "holonom.app.doctor" in loaded
+    assert not {"numba", "scipy", "cv2", "pydantic", "lark", "mcap"} & loaded
