@@ -75,6 +75,7 @@ def screenshot(driver: webdriver.Chrome, out: Path, *, whole: bool) -> None:
 
 
 def main() -> None:
+    """Run the command line."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("report", type=Path)
     parser.add_argument("out", type=Path)

@@ -88,7 +88,7 @@ def coins_from(pixels: np.ndarray) -> list[Coin]:
 def record(path, coins: list[Coin], *, dt: float = 0.01, leg: float = 0.35) -> float:
     """Write the recording of all coins moved; returns its end, s."""
     q = solve(np.array([0.5, -0.1, 0.5]), np.radians([5.8, 49.4, -198.2, 0, -31.2, -174.2]))
-    names = tuple(f"link{i}" for i in range(1, 7)) + ("tool", "finger_left", "finger_right")
+    names = (*(f"link{i}" for i in range(1, 7)), "tool", "finger_left", "finger_right")
     names += tuple(f"coin_{i:02d}" for i in range(1, len(coins) + 1))
     poses = np.tile(np.eye(4), (len(names), 1, 1))
     poses[9:, :3, 3] = [coin.start for coin in coins]
@@ -154,16 +154,25 @@ def scene(coins: list[Coin], *, photo: bool) -> Scene:
         axes = np.array([[1 / PIXEL, 0], [0, -1 / PIXEL]])
         pixel = (coin.pixel, axes) if photo else (None, None)
         shapes.append(Disc(f"coin_{i:02d}", coin.radius, COIN, "#b08d57", *pixel))
-    views = (View("Overview", (1.75, -0.95, 1.15), (0.25, 0.0, 0.45)), View("Table", (0.95, -0.4, 0.75), (0.5, 0.0, 0.3)))
+    views = (
+        View("Overview", (1.75, -0.95, 1.15), (0.25, 0.0, 0.45)),
+        View("Table", (0.95, -0.4, 0.75), (0.5, 0.0, 0.3)),
+    )
     return Scene(tuple(shapes), views)
 
 
 def overlay(coins: list[Coin], png: bytes, width: int, height: int) -> PhotoOverlay:
     found = tuple(
         Detection(
-            u=c.pixel[0], v=c.pixel[1], diameter=2 * c.radius / PIXEL, group=c.group,
-            x=c.pixel[0] * PIXEL, y=-c.pixel[1] * PIXEL, size=2 * c.radius, frame=f"coin_{i:02d}",
-        )  # fmt: skip
+            u=c.pixel[0],
+            v=c.pixel[1],
+            diameter=2 * c.radius / PIXEL,
+            group=c.group,
+            x=c.pixel[0] * PIXEL,
+            y=-c.pixel[1] * PIXEL,
+            size=2 * c.radius,
+            frame=f"coin_{i:02d}",
+        )
         for i, c in enumerate(coins, start=1)
     )
     return PhotoOverlay(png, width, height, found, COLOURS, "Greek coins from Pompeii, Brooklyn Museum.")

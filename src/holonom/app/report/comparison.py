@@ -108,9 +108,7 @@ def _phase_drawings(comparison: Comparison, index: int) -> str:
     )
 
 
-def _lines(
-    part: tuple[Array, Array], plane: Array, centre: Array, scale: float, gain: float
-) -> tuple[str, str]:
+def _lines(part: tuple[Array, Array], plane: Array, centre: Array, scale: float, gain: float) -> tuple[str, str]:
     """SVG points of the desired path and of the actual one with its deviation magnified."""
     desired, actual = part
     wanted = (desired @ plane.T - centre) * scale

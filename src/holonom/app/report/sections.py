@@ -88,9 +88,7 @@ class PhotoOverlay:
 
 def facts_html(facts: Mapping[str, str]) -> str:
     """The run in a few numbers: label and value."""
-    items = "".join(
-        f"<div><dt>{escape(label)}</dt><dd>{escape(value)}</dd></div>" for label, value in facts.items()
-    )
+    items = "".join(f"<div><dt>{escape(label)}</dt><dd>{escape(value)}</dd></div>" for label, value in facts.items())
     return f'<dl class="facts">{items}</dl>' if facts else ""
 
 

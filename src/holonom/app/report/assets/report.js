@@ -141,6 +141,7 @@ class Stage {
     this.renderer = new vendor.WebGLRenderer({ canvas, antialias: true, alpha: true });
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = vendor.PCFShadowMap;
+    this.renderer.shadowMap.autoUpdate = false; // shadows change with time, not with the camera
     this.scene = new vendor.Scene();
     this.camera = new vendor.PerspectiveCamera(38, 1, 0.02, 30);
     this.camera.up.set(0, 0, 1);
@@ -160,9 +161,9 @@ class Stage {
   }
 
   light() {
-    this.scene.add(new vendor.HemisphereLight("#ffffff", "#b9c4d2", 1.9));
-    const sun = new vendor.DirectionalLight("#fff7ea", 2.3);
-    sun.position.set(1.2, -1.6, 2.8);
+    this.scene.add(new vendor.HemisphereLight("#ffffff", "#c9d2dd", 2.4));
+    const sun = new vendor.DirectionalLight("#fff7ea", 2.2);
+    sun.position.set(2.0, -1.2, 2.6);
     sun.target.position.set(0.3, 0, 0.3);
     sun.castShadow = true;
     sun.shadow.mapSize.set(2048, 2048);
@@ -240,6 +241,7 @@ class Stage {
       const first = Math.max(0, Math.floor(row - data.scene.trail * data.scene.rate));
       this.trail.geometry.setDrawRange(first, Math.floor(row) - first + 1);
     }
+    this.renderer.shadowMap.needsUpdate = true;
     this.draw();
   }
 
@@ -407,7 +409,7 @@ class Replay {
     const [, line, , text] = at < 0 ? [0, 0, "", "–"] : data.events[at];
     $("event").textContent = text;
     const rows = document.querySelectorAll(".events tbody tr");
-    mark(rows, rows[at], document.querySelector(".scroll"));
+    mark(rows, rows[at], document.querySelector("#log .scroll"));
     const lines = document.querySelectorAll("#program li");
     mark(lines, line ? lines[line - 1] : null, $("program"));
   }
