@@ -12,10 +12,9 @@ npm install --no-audit --no-fund --ignore-scripts "three@$three" "uplot@$uplot" 
 
 cat >entry.js <<'JS'
 export {
-  AmbientLight, BoxGeometry, BufferGeometry, CanvasTexture, CapsuleGeometry, CatmullRomCurve3, Color, CylinderGeometry,
-  DirectionalLight, Float32BufferAttribute, Fog, GridHelper, Group, HemisphereLight, InterleavedBufferAttribute, Line,
-  LineBasicMaterial, Mesh, MeshBasicMaterial, MeshStandardMaterial, PCFShadowMap, PerspectiveCamera,
-  PlaneGeometry, Quaternion, Scene, ShadowMaterial, SphereGeometry, Sprite, SpriteMaterial, SRGBColorSpace, Vector3,
+  BufferGeometry, CanvasTexture, CapsuleGeometry, CylinderGeometry, DirectionalLight, Float32BufferAttribute,
+  GridHelper, Group, HemisphereLight, Line, LineBasicMaterial, Mesh, MeshBasicMaterial, MeshStandardMaterial,
+  PCFShadowMap, PerspectiveCamera, PlaneGeometry, Quaternion, Scene, ShadowMaterial, SRGBColorSpace, Vector3,
   WebGLRenderer,
 } from "three";
 export { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";

@@ -155,7 +155,7 @@ def scene(coins: list[Coin], *, photo: bool) -> Scene:
         pixel = (coin.pixel, axes) if photo else (None, None)
         shapes.append(Disc(f"coin_{i:02d}", coin.radius, COIN, "#b08d57", *pixel))
     views = (
-        View("Overview", (1.75, -0.95, 1.15), (0.25, 0.0, 0.45)),
+        View("Overview", (1.45, -0.95, 1.1), (0.27, 0.0, 0.43)),
         View("Table", (0.95, -0.4, 0.75), (0.5, 0.0, 0.3)),
     )
     return Scene(tuple(shapes), views)

@@ -203,6 +203,12 @@ def test_comparison_states_errors_and_ratios(run, tmp_path):
     assert page.count("<td>2.000</td>") == page.count("<td>0.500</td>") == 4
     assert page.count("<polyline") == 8
     assert "deviation × 10" in page
+    lines = [np.array([p.split(",") for p in points.split()], dtype=float)
+             for points in re.findall(r'<polyline[^>]*points="([^"]*)"', page)]  # fmt: skip
+    units_per_metre = 0.72 * 300 / 0.2
+    for i, error in ((0, 0.002), (2, 0.0005)):
+        shift = lines[i + 1] - lines[i]
+        assert np.allclose(shift, [0, -10 * error * units_per_metre], atol=0.11)
 
 
 # ---------------------------------------------------------------- in a browser

@@ -91,7 +91,7 @@ def write_report(
         "licences": escape(_asset("VERSIONS") + "\n" + _asset("LICENSE.three") + "\n" + _asset("LICENSE.uplot")),
         "style": _asset("uplot.min.css") + _asset("report.css"),
         "vendor": _inline(_asset("vendor.min.js")),
-        "script": _inline(_asset("report.js")),
+        "script": _inline("\n".join(_asset(f"{part}.js") for part in ("stage", "curves", "replay"))),
         "data": _inline(json.dumps(data, separators=(",", ":"))),
         "blob": blob.text(),
     }

@@ -95,7 +95,7 @@ class Scene:
     """
 
     shapes: tuple[Shape, ...]
-    views: tuple[View, ...] = (View("Overview", (1.55, -1.35, 1.25), (0.25, 0.0, 0.45)),)
+    views: tuple[View, ...] = (View("Overview", (1.45, -0.95, 1.1), (0.27, 0.0, 0.43)),)
     tool: str = "tool"
     trail: float = 2.0
 

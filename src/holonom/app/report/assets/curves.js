@@ -1,0 +1,82 @@
+// The curves, tied to the time of the replay.
+
+class Plot {
+  constructor(box, arrays, seek) {
+    const { curve, time, title, unit } = box.dataset;
+    const array = arrays[`curve:${curve}`];
+    this.box = box;
+    this.hover = false;
+    if (!array || !array.rows) { box.remove(); return; }
+    this.times = arrays[`time:${time}`].cols[0];
+    const heading = document.createElement("h3");
+    heading.textContent = title;
+    heading.append(Object.assign(document.createElement("small"), { textContent: `  ${unit}` }));
+    box.append(heading);
+    this.chart = new vendor.uPlot(this.options(), [this.times, ...array.cols], box);
+    this.line = Object.assign(document.createElement("div"), { className: "playhead" });
+    this.chart.over.append(this.line);
+    this.chart.over.addEventListener("mouseenter", () => { this.hover = true; });
+    this.chart.over.addEventListener("mouseleave", () => { this.hover = false; });
+    this.chart.over.addEventListener("click", (event) => {
+      if (!this.dragged(event)) seek(this.chart.posToVal(event.offsetX, "x"));
+    });
+    this.chart.over.addEventListener("mousedown", (event) => { this.down = event.clientX; });
+    new ResizeObserver(() => this.chart.setSize({ width: box.clientWidth, height: 230 })).observe(box);
+  }
+
+  dragged(event) { return Math.abs(event.clientX - this.down) > 3; }
+
+  options() {
+    const grid = { stroke: "#eceff3", width: 1 };
+    const axis = { stroke: "#5b6878", grid, ticks: { show: false }, font: "12px system-ui, sans-serif" };
+    const number = (_, value) => (value == null ? "–" : value.toFixed(Math.abs(value) < 10 ? 2 : 1).replace(/^-(0\.0+)$/, "$1"));
+    return {
+      width: this.box.clientWidth, height: 230,
+      scales: { x: { time: false } },
+      axes: [
+        { ...axis, size: 30, values: (_, ticks) => ticks.map((tick) => `${+tick.toFixed(3)} s`) },
+        { ...axis, size: 52 },
+      ],
+      cursor: { sync: { key: "run", scales: ["x", null] }, points: { size: 6 } },
+      series: [
+        { label: "t", value: (_, value) => (value == null ? "–" : `${value.toFixed(2)} s`) },
+        ...data.joints.map((label, i) => ({
+          label, stroke: COLOURS[i % COLOURS.length], width: 1.2, value: number, points: { show: false },
+        })),
+      ],
+      hooks: { setScale: [(chart, key) => { if (key === "x") zoomAll(chart.scales.x); this.mark(); }] },
+    };
+  }
+
+  /** Move the line of the replay, and the numbers of the legend unless the mouse asks for others. */
+  mark(time = this.time) {
+    this.time = time;
+    if (!this.line || time === undefined) return;
+    const at = this.chart.valToPos(time, "x");
+    const inside = at >= 0 && at <= this.chart.over.clientWidth;
+    this.line.style.display = inside ? "" : "none";
+    this.line.style.left = `${at}px`;
+    if (!plots.some((plot) => plot.hover)) {
+      this.chart.setLegend({ idx: nearest(this.times, time) }, false);
+    }
+  }
+}
+
+const plots = [];
+
+/** All plots show the same stretch of time. */
+function zoomAll({ min, max }) {
+  for (const { chart } of plots) {
+    if (chart && (chart.scales.x.min !== min || chart.scales.x.max !== max)) chart.setScale("x", { min, max });
+  }
+}
+
+/** Index of the last of the sorted `times` not after `time`, at least 0. */
+function nearest(times, time) {
+  let low = 0, high = times.length;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (times[middle] <= time + 1e-6) low = middle; else high = middle;
+  }
+  return low;
+}
