@@ -1,1 +1,47 @@
-"""."""
+"""ARPS, the robot language: compiler and virtual machine. The reference is `docs/arps.md`.
+
+Compile
+    `load_program` (a file and its location file), `compile_program` (a text), `read_locations`;
+    the result is a frozen `Program`; findings that do not stop it are `Diagnostic`.
+Run
+    `start` makes a `VmState`, `step` runs one tick on a `Machine`, `proceed` ends a PAUSE;
+    `Status` says how far it is.
+The robot
+    `Machine` is the protocol; `Motion`, `Configuration` and `Part` cross it.
+Tables of the language
+    `INSTRUCTIONS`, `FUNCTIONS`, `FORMATS`, `FEATURES` (what VFEATURE numbers mean), `WORDS`.
+"""
+
+from holonom.lang.compiler import compile_program, load_program
+from holonom.lang.diagnostics import Diagnostic
+from holonom.lang.formats import FORMATS
+from holonom.lang.functions import FEATURES, FUNCTIONS
+from holonom.lang.instructions import INSTRUCTIONS
+from holonom.lang.locations import read_locations
+from holonom.lang.machine import Configuration, Machine, Motion, Part
+from holonom.lang.program import Program
+from holonom.lang.state import Status, VmState
+from holonom.lang.syntax import WORDS
+from holonom.lang.vm import proceed, start, step
+
+__all__ = [
+    "FEATURES",
+    "FORMATS",
+    "FUNCTIONS",
+    "INSTRUCTIONS",
+    "WORDS",
+    "Configuration",
+    "Diagnostic",
+    "Machine",
+    "Motion",
+    "Part",
+    "Program",
+    "Status",
+    "VmState",
+    "compile_program",
+    "load_program",
+    "proceed",
+    "read_locations",
+    "start",
+    "step",
+]

@@ -1,0 +1,97 @@
+"""Location files: taught locations by name, one in a line.
+
+tray.small = 500, -200, 320, 0, 180, 0     ; x, y, z in mm; o, a, t in degrees (Z-Y-Z)
+#ready     = 0, 90, -90, 0, 0, 0           ; joint values in degrees
+corner[2]  = 100, 0, 0, 0, 180, 0          ; an element of an array
+"""
+
+from __future__ import annotations
+
+import math
+import re
+
+from holonom.errors import ProgramError
+from holonom.lang import poses
+from holonom.lang.diagnostics import Diagnostic, Span
+from holonom.lang.functions import FUNCTIONS
+from holonom.lang.machine import Array
+from holonom.lang.syntax import WORDS
+
+__all__ = ["read_locations", "split_name"]
+
+_NAME = re.compile(r"#?[A-Za-z_][\w.]*(\[\s*\d{1,5}(\s*,\s*\d{1,5})*\s*\])?")
+_FORM = "write name = x, y, z, o, a, t in mm and degrees, or #name = j1, j2, ... in degrees"
+
+
+def read_locations(text: str, file: str) -> dict[str, Array]:
+    """Return the locations of a file's text by name, in lower case: poses (4, 4) in m, joints (n,) in rad.
+
+    Raises
+    ------
+    ProgramError
+        At a line that is no location, with file, line, column, caret and hint.
+    """
+    found: dict[str, Array] = {}
+    for number, line in enumerate(text.splitlines(), start=1):
+        content = line.partition(";")[0]
+        if content.strip():
+            name, value = _read_line(content, _Place(file, number, line))
+            if name in found:
+                raise _Place(file, number, line).error(0, f"{name!r} is there twice", "remove one of the two")
+            found[name] = value
+    return found
+
+
+def split_name(name: str) -> tuple[str, tuple[int, ...]]:
+    """Return the name and the indices of `corner[2]`."""
+    stem, _, indices = name.rstrip("]").partition("[")
+    return stem, tuple(int(i) for i in indices.split(",")) if indices else ()
+
+
+class _Place:
+    """Where in a location file we are."""
+
+    __slots__ = ("file", "line", "number")
+
+    def __init__(self, file: str, number: int, line: str) -> None:
+        self.file, self.number, self.line = file, number, line
+
+    def error(self, column: int, text: str, hint: str, length: int = 1) -> ProgramError:
+        """Return the error at a column, counted from 0."""
+        span = Span(self.number, column + 1, column + 1 + length)
+        return ProgramError(Diagnostic(self.file, span, text, hint, self.line).render())
+
+
+def _read_line(content: str, place: _Place) -> tuple[str, Array]:
+    head, equals, tail = content.partition("=")
+    start = len(head) - len(head.lstrip())
+    name = re.sub(r"\s", "", head).lower()
+    if not equals:
+        raise place.error(start, "this is no location", _FORM, len(content.strip()))
+    if not _NAME.fullmatch(head.strip()):
+        raise place.error(start, f"{head.strip()!r} is no name of a location", _FORM, len(head.strip()))
+    stem = split_name(name)[0].upper()
+    if stem in WORDS or stem in FUNCTIONS:
+        raise place.error(start, f"{stem} is a word of the language", "choose another name", len(stem))
+    values = _numbers(tail, len(head) + 1, place)
+    if name.startswith("#"):
+        return name, poses.precision_point(values)
+    if len(values) != 6:
+        hint = "a location is x, y, z, o, a, t; joint values belong to a name that begins with #"
+        raise place.error(len(head) + 1, f"a location has 6 values, this has {len(values)}", hint, len(tail))
+    return name, poses.transformation(values)
+
+
+def _numbers(tail: str, column: int, place: _Place) -> list[float]:
+    values = []
+    for part in tail.split(","):
+        try:
+            value = float(part)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            lead = len(part) - len(part.lstrip())
+            raise place.error(column + lead, f"{part.strip()!r} is no number", _FORM, max(1, len(part.strip())))
+        values.append(value)
+        column += len(part) + 1
+    return values
