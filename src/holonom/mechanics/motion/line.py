@@ -60,10 +60,9 @@ class LineArm(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class _Course:
-    """Motion of the tool in world axes from `start` to `goal`: `shift` (m) and `turn` (rotation vector)."""
+    """Motion of the tool in world axes from `start` (4, 4) by `shift` (m) and `turn` (rotation vector)."""
 
     start: Array
-    goal: Array
     shift: Array
     turn: Array
 
@@ -165,16 +164,15 @@ def plan_line(
 
 def _course(start: Array, goal: Array) -> _Course:
     turn = Rotation.from_matrix(goal[:3, :3]) * Rotation.from_matrix(start[:3, :3]).inv()
-    return _Course(start, goal, goal[:3, 3] - start[:3, 3], turn.as_rotvec())
+    return _Course(start, goal[:3, 3] - start[:3, 3], turn.as_rotvec())
 
 
 def _poses(course: _Course, s: Array) -> Array:
-    """Tool poses (N, 4, 4) at fractions s (N,) of the line; the goal itself at the end."""
+    """Tool poses (N, 4, 4) at fractions s (N,) of the line."""
     T = np.zeros((s.shape[0], 4, 4))
     T[:, :3, :3] = Rotation.from_rotvec(s[:, None] * course.turn).as_matrix() @ course.start[:3, :3]
     T[:, :3, 3] = course.start[:3, 3] + s[:, None] * course.shift
     T[:, 3, 3] = 1.0
-    T[-1] = course.goal
     return T
 
 
@@ -211,7 +209,7 @@ def _check_status(status: NDArray[np.integer[Any]], course: _Course, s: Array) -
 def _branch(solutions: InverseSolutions, start: Array) -> int:
     """Index of the branch that `start` lies on, from the solutions for its own pose."""
     difference = (solutions.q[0] - start + np.pi) % (2.0 * np.pi) - np.pi
-    distance = np.where(solutions.status[0] != IkStatus.UNREACHABLE, np.abs(difference).max(axis=-1), inf)
+    distance = np.abs(difference).max(axis=-1)
     branch = int(np.argmin(distance))
     if not distance[branch] <= _START:
         raise MotionError(
