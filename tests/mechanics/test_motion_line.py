@@ -56,7 +56,7 @@ def test_the_tool_goes_straight_and_turns_as_slerp_within_all_limits(
     rotations = Rotation.from_matrix(np.stack([T0[:3, :3], T1[:3, :3]]))
     angle = (rotations[0].inv() * rotations[1]).magnitude()
     turned = (rotations[0].inv() * Rotation.from_matrix(T[:, :3, :3])).magnitude()
-    s = done @ way / (way @ way) if way @ way > 1e-6 else turned / angle
+    s = done @ way / (way @ way) if angle < 1e-6 or way @ way > 1e-6 else turned / angle
     assert (np.diff(s) >= -1e-12).all()
     np.testing.assert_allclose(done, s[:, None] * way, atol=1e-9)
     np.testing.assert_allclose(T[:, :3, :3], Slerp([0, 1], rotations)(np.clip(s, 0, 1)).as_matrix(), atol=1e-6)
