@@ -38,8 +38,8 @@ class IkResult:
     """All branches of an inverse.
 
     q : (..., k, n) rad; status : (..., k) int8, an `IkStatus`; names : the k branch names.
-    A SINGULAR branch reaches the pose (wrist straight: q4 is chosen 0); a LIMIT branch reaches it outside the joint limits; an
-    UNREACHABLE one does not reach it.
+    A SINGULAR branch reaches the pose (wrist straight: q4 is chosen 0); a LIMIT branch reaches it outside the
+    joint limits; an UNREACHABLE one does not reach it.
     """
 
     q: Array
@@ -70,7 +70,9 @@ class Limits:
 
 
 class Arm:
-    """A serial arm. Every verb broadcasts over leading axes; one sample or rows of C-contiguous float64 go the fast way.
+    """A serial arm; every verb broadcasts over leading axes.
+
+    One sample, or rows of C-contiguous float64, go the fast way.
 
     `threads=` shares a batch; `out=` takes a result array. Kernels are compiled on first use and cached on disk;
     `kernel(name)` hands one out for the fastest repeated calls.
@@ -116,8 +118,8 @@ class Arm:
     def kernel(self, name: str, **options: Any) -> Kernel:
         """Return a compiled equation: "fk", "frames", "jacobian", "inverse_dynamics", "forward_dynamics", ....
 
-        Options are those of the verb: `frame=` (a frame number for "fk"), `friction=`, `wrench_frame=`. The fastest call is
-        `kernel.single(q, ..., out)`: see `holonom.trace.Kernel`.
+        Options are those of the verb: `frame=` (a frame number for "fk"), `friction=`, `wrench_frame=`. The
+        fastest call is `kernel.single(q, ..., out)`: see `holonom.trace.Kernel`.
         """
         if name in ("inverse_dynamics", "forward_dynamics"):
             options = {"friction": self._has_friction, "wrench_frame": None} | options
@@ -155,9 +157,7 @@ class Arm:
         result: Array = self.kernel("frames")(q)
         return result
 
-    def jacobian(
-        self, q: ArrayLike, frame: str = "world", *, out: Array | None = None, threads: int = 1
-    ) -> Array:
+    def jacobian(self, q: ArrayLike, frame: str = "world", *, out: Array | None = None, threads: int = 1) -> Array:
         """Geometric Jacobian of the tool point, rows [v; w] (Siciliano 3.1).
 
         Parameters
@@ -279,15 +279,11 @@ class Arm:
             result = kernel(q, qd, tau, wrench, out=out, threads=threads)
         return result
 
-    def _dynamics(
-        self, name: str, friction: bool | None, wrench: ArrayLike | None, wrench_frame: str | None
-    ) -> Kernel:
+    def _dynamics(self, name: str, friction: bool | None, wrench: ArrayLike | None, wrench_frame: str | None) -> Kernel:
         key = (name, friction, wrench_frame)
         kernel = self._kernels.get(key)
         if (wrench is None) != (wrench_frame is None):
-            raise InputError(
-                'wrench= and wrench_frame= ("world" or "tool") go together; one of them is missing'
-            )
+            raise InputError('wrench= and wrench_frame= ("world" or "tool") go together; one of them is missing')
         if kernel is None:
             if wrench_frame not in (None, "world", "tool"):
                 raise UnknownName("wrench frame", str(wrench_frame), ("world", "tool"))

@@ -32,11 +32,7 @@ def constant_transform(matrix: Array | Transform) -> Transform:
     if T.shape != (4, 4) or not np.isfinite(T).all():
         raise ModelError(f"a pose is a finite 4x4 matrix; shape {T.shape} came")
     R = T[:3, :3]
-    if (
-        np.abs(R @ R.T - np.eye(3)).max() > 1e-9
-        or np.linalg.det(R) < 0
-        or np.abs(T[3] - [0, 0, 0, 1]).max() > 0
-    ):
+    if np.abs(R @ R.T - np.eye(3)).max() > 1e-9 or np.linalg.det(R) < 0 or np.abs(T[3] - [0, 0, 0, 1]).max() > 0:
         raise ModelError("a pose needs a rotation matrix (R R^T = I, det R = 1) over the row 0 0 0 1")
     T[np.abs(T) < 1e-15] = 0.0
     return tuple(tuple(float(x) for x in row) for row in T)
@@ -62,8 +58,8 @@ class Body:
 class Motor:
     """What drives a joint. Signs: motor angle = gear_ratio * joint angle.
 
-    Torque constant in N m/A (= back-EMF constant in V s/rad), resistance in ohm, inductance in H, inertia in kg m2 at the
-    motor, voltage in V, current in A.
+    Torque constant in N m/A (= back-EMF constant in V s/rad), resistance in ohm, inductance in H, inertia in kg m2
+    at the motor, voltage in V, current in A.
     """
 
     gear_ratio: float
@@ -127,5 +123,6 @@ class ArmModel:
             raise ModelError(f"arm {self.name!r} has no joints")
         if self.bodies is not None and len(self.bodies) != len(self.joints):
             raise ModelError(
-                f"arm {self.name!r} has {len(self.joints)} joints and {len(self.bodies)} bodies; one body per joint is needed"
+                f"arm {self.name!r} has {len(self.joints)} joints and {len(self.bodies)} bodies; "
+                "one body per joint is needed"
             )

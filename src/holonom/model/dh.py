@@ -66,9 +66,7 @@ def joint_transforms(row: DHRow, convention: Convention) -> tuple[Transform, Tra
     raise UnknownName("DH convention", str(convention), ("standard", "modified"))
 
 
-def joint_from_dh(
-    name: str, row: DHRow, convention: Convention, limits: JointLimits = JointLimits()
-) -> Joint:
+def joint_from_dh(name: str, row: DHRow, convention: Convention, limits: JointLimits = JointLimits()) -> Joint:
     """Return a joint from its DH row."""
     before, after = joint_transforms(row, convention)
     return Joint(name, row.kind, before, after, limits)

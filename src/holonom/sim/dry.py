@@ -29,8 +29,8 @@ class Problem:
 class DryMachine:
     """Every motion is planned exactly as the simulation would, then taken as done.
 
-    `problems` collects what could not be planned; the arm then stays where it was. `moved` counts motions, `time` adds up their
-    durations (from rest to rest: an upper estimate of the cycle time).
+    `problems` collects what could not be planned; the arm then stays where it was. `moved` counts motions, `time`
+    adds up their durations (from rest to rest: an upper estimate of the cycle time).
     """
 
     def __init__(

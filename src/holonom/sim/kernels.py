@@ -1,8 +1,8 @@
 """The multi-rate loop of all axes, compiled once for every robot: a robot comes in as the addresses of its kernels.
 
 Current loop, motor and arm every 0.1 ms, speed loop every 0.5 ms, position loop every 1 ms. Each axis is a record of
-parameters and a record of state (`records.py`); devices and regulators are their own scalar steps, which take the nested
-records as their params.
+parameters and a record of state (`records.py`); devices and regulators are their own scalar steps, which take the
+nested records as their params.
 """
 
 from __future__ import annotations
@@ -122,7 +122,7 @@ def advance(
             source[i] = states[i].position
             source[n + i] = states[i].speed
             source[2 * n + i] = states[i].torque
-        call_kernel(plant, source, target)
+        call_kernel(plant, source, target)  # type: ignore[call-arg]
         touch = max(touch, target[n])
         for i in range(n):
             _move(states[i], target[i], dt)
@@ -181,7 +181,7 @@ def _model_law(model: int, axes: Records, states: Records, reference: Floats, la
             state.saturated,
         )
         source[i], source[n + i], source[2 * n + i] = position, reference[1, i], u
-    call_kernel(model, source, target)
+    call_kernel(model, source, target)  # type: ignore[call-arg]
     for i in range(n):
         axis, state = axes[i], states[i]
         per_ampere = axis.gear.ratio * axis.torque_constant

@@ -77,6 +77,5 @@ def _write(path: Path, source: str) -> None:
         with contextlib.suppress(OSError, NameError):
             os.unlink(temporary)
         raise OutputError(
-            f"kernel cache {path.parent} cannot be written ({problem.strerror}); "
-            "set HOLONOM_CACHE to a folder that can"
+            f"kernel cache {path.parent} cannot be written ({problem.strerror}); set HOLONOM_CACHE to a folder that can"
         ) from problem

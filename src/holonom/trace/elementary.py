@@ -1,6 +1,7 @@
 """Sine, cosine and arctangent without a branch or a call, so that a loop around them vectorises.
 
-Coefficients: fdlibm (Sun Microsystems, 1993) for sine and cosine, Cephes (Moshier, 1989) for the arctangent. The two-part
+Coefficients: fdlibm (Sun Microsystems, 1993) for sine and cosine, Cephes (Moshier, 1989) for the arctangent. The
+two-part
 Cody-Waite reduction is exact up to about 1.6e6 rad. Flags are named: `fastmath=True` would delete NaN tests and spoil
 the reduction.
 """

@@ -1,6 +1,7 @@
 """Expression graph of a traced algorithm: hash-consed, simplified while it is built.
 
-A `Scalar` stands for a number that is not known yet. Arithmetic on it records a node; equal expressions are the same node
+A `Scalar` stands for a number that is not known yet. Arithmetic on it records a node; equal expressions are the
+same node
 (common subexpressions), constants fold, zeros and ones vanish. `x * 0 -> 0` swallows NaN: kernels check their inputs.
 """
 
@@ -72,9 +73,7 @@ class Condition(_Value):
     __rand__, __ror__ = __and__, __or__
 
     def __bool__(self) -> bool:
-        raise TypeError(
-            "a traced condition has no value yet: use trace.select(condition, a, b) instead of if"
-        )
+        raise TypeError("a traced condition has no value yet: use trace.select(condition, a, b) instead of if")
 
 
 class Scalar(_Value):
@@ -193,9 +192,7 @@ class Scalar(_Value):
 
     def __float__(self) -> float:
         if self.value is None:
-            raise TypeError(
-                "a traced scalar has no value yet: use holonom.trace functions, not math or numpy"
-            )
+            raise TypeError("a traced scalar has no value yet: use holonom.trace functions, not math or numpy")
         return self.value
 
 

@@ -34,8 +34,8 @@ def compile(
     Parameters
     ----------
     equation
-        Function of one sequence of scalars per input; an input of shape (r, c) comes as a flat sequence of r*c numbers, row
-        by row. It returns one flat sequence per output (for one output: that sequence itself).
+        Function of one sequence of scalars per input; an input of shape (r, c) comes as a flat sequence of r*c
+        numbers, row by row. It returns one flat sequence per output (for one output: that sequence itself).
     inputs, outputs
         Name -> shape of one sample: 6, or (4, 4).
     name
@@ -52,9 +52,7 @@ def compile(
     for f, value in zip(outs, values, strict=True):
         scalars = [v if isinstance(v, Scalar) else graph.constant(float(v)) for v in value]
         if len(scalars) != f.width:
-            raise ShapeError(
-                f"equation {name!r} gives {len(scalars)} numbers for {f.name!r}; {f.width} were declared"
-            )
+            raise ShapeError(f"equation {name!r} gives {len(scalars)} numbers for {f.name!r}; {f.width} were declared")
         results[f.name] = scalars
     return Kernel(name, tuple(ins), tuple(outs), graph, results)
 
@@ -148,9 +146,7 @@ class Kernel:
             except TypeError:
                 pass
             return self._general(arrays, out, threads)
-        results = (
-            tuple(np.empty(shape, dtype) for shape, dtype in self._allocate) if out is None else tuple(out)
-        )
+        results = tuple(np.empty(shape, dtype) for shape, dtype in self._allocate) if out is None else tuple(out)
         try:
             if self.single(*arrays, *results) == 0:
                 return results

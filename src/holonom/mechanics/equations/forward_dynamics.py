@@ -1,4 +1,7 @@
-"""Forward dynamics: B(q) qdd = tau - h(q, qd), solved by B = L D L^T (no square root, no pivoting: B is positive definite)."""
+"""Forward dynamics: B(q) qdd = tau - h(q, qd), solved by B = L D L^T.
+
+No square root and no pivoting: B is positive definite.
+"""
 
 from __future__ import annotations
 

@@ -98,9 +98,7 @@ def inverse_dynamics(
     rotor = reflected_inertia(model)
     torque = [t + k * u for t, k, u in zip(torque, rotor, qdd, strict=True)]
     if friction:
-        torque = [
-            t + friction_torque(j.friction, u) for t, j, u in zip(torque, model.joints, qd, strict=True)
-        ]
+        torque = [t + friction_torque(j.friction, u) for t, j, u in zip(torque, model.joints, qd, strict=True)]
     return torque
 
 

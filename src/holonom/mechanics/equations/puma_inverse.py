@@ -1,7 +1,7 @@
 """Closed-form inverse geometry of arms built like the Puma 560 (specification 1.3; Paul & Zhang 1986; Corke).
 
-Standard DH with alpha = (90, 0, -90, 90, -90, 0) deg, a1 = a4 = a5 = a6 = 0, d2 + d3 the lateral shoulder offset, any a2, a3, d1,
-d4, d6. Nothing assumes a3 = 0.
+Standard DH with alpha = (90, 0, -90, 90, -90, 0) deg, a1 = a4 = a5 = a6 = 0, d2 + d3 the lateral shoulder offset,
+any a2, a3, d1, d4, d6. Nothing assumes a3 = 0.
 
 Wrist centre in the waist's plane: x + i y = (r - i d3) e^(i q1), r = +- sqrt(x^2 + y^2 - d3^2);
 r + i z = e^(i q2) (a2 + L e^(i psi)), L = |a3 + i d4|, psi = q3 + atan2(d4, a3);
@@ -82,8 +82,8 @@ def puma_geometry(model: ArmModel) -> PumaGeometry | None:
 def puma_inverse(geometry: PumaGeometry, T: Vector) -> tuple[list[Number], list[Number]]:
     """All eight branches for the pose T_06 (16 numbers, row by row): joints (8 x 6) and status (8).
 
-    The order is `BRANCHES`. An unreachable branch holds the joints of the nearest reachable wrist position in its own plane; a
-    singular one has q4 = 0. Angles are wrapped into the limits where a whole turn allows it.
+    The order is `BRANCHES`. An unreachable branch holds the joints of the nearest reachable wrist position in its
+    own plane; a singular one has q4 = 0. Angles are wrapped into the limits where a whole turn allows it.
     """
     k = geometry
     x, y, z = (T[3] - k.d6 * T[2], T[7] - k.d6 * T[6], T[11] - k.d6 * T[10] - k.d1)
@@ -116,9 +116,7 @@ def puma_inverse(geometry: PumaGeometry, T: Vector) -> tuple[list[Number], list[
             wrist = _wrist(T, c1, s1, c23, s23)
             for flip in (0, 1):
                 q, singular = wrist[flip]
-                branch = [
-                    _wrap(v, lo, hi) for v, lo, hi in zip([q1, q2, q3, *q], k.lower, k.upper, strict=True)
-                ]
+                branch = [_wrap(v, lo, hi) for v, lo, hi in zip([q1, q2, q3, *q], k.lower, k.upper, strict=True)]
                 joints += branch
                 status.append(_status(branch, k, unreachable, singular))
     return joints, status

@@ -7,16 +7,20 @@ B. Armstrong-Helouvry, "A search for consensus among model parameters reported f
 tabulated in the Robotics Toolbox (numbers only). d1 = 0.67183 m (26.45 in) puts frame 0 on the floor plate.
 The link inertias already hold the locked rotors; only `gear_ratio^2 * rotor_inertia` is added to the diagonal.
 
-Torque constants: Armstrong, Khatib and Burdick 1986. Armature resistance: Corke, in-situ measurements, 1996 (about 2.1 ohm for
+Torque constants: Armstrong, Khatib and Burdick 1986. Armature resistance: Corke, in-situ measurements, 1996 (about
+2.1 ohm for
 joints 1-3, 6.7 ohm for 4-6). Joint torque and speed limits: Armstrong 1986, Corke 1996; current limits follow as
 `torque / (|gear_ratio| * torque_constant)`. Supply 40 V.
 
-ASSUMED, not confirmed by a publication we could read: armature inductance (a few mH are published; 3.4 mH and 6.0 mH give
-electrical time constants of 1.6 ms and 0.9 ms), encoder lines (1000 lines, 4000 counts after fourfold decoding), acceleration limits
-(about half of what peak torque gives against the configuration's largest inertia; a controller setting, not hardware).
+Encoder counts per motor turn: from the counts per joint degree in a posting by S. Graves (comp.robotics, 1990)
+divided by the gear ratios; one unofficial source.
 
-What follows: at rated speed 40 V leave enough for the full current on joints 1 to 3 (34, 39 and 40 V are needed), but not on joints
-4 to 6 (about 50 V would be): their peak torque is to be had up to about half of rated speed only.
+ASSUMED, not confirmed by a publication we could read: armature inductance (a few mH are published; 3.4 mH and 6.0
+mH give electrical time constants of 1.6 ms and 0.9 ms) and acceleration limits (about half of what peak torque gives
+against the configuration's largest inertia: a controller setting, not hardware).
+
+What follows: at rated speed 40 V leave enough for the full current on joints 1 to 3 (34, 39 and 40 V are needed),
+but not on joints 4 to 6 (about 50 V would be): their peak torque is to be had up to about half of rated speed only.
 """
 
 from __future__ import annotations
@@ -69,7 +73,7 @@ TORQUE_CONSTANT = (0.189, 0.219, 0.202, 0.075, 0.066, 0.066)
 RESISTANCE = (2.1, 2.1, 2.1, 6.7, 6.7, 6.7)
 INDUCTANCE = (3.4e-3, 3.4e-3, 3.4e-3, 6.0e-3, 6.0e-3, 6.0e-3)  # assumed
 SUPPLY_VOLTAGE = 40.0
-ENCODER_COUNTS = 4000  # assumed
+ENCODER_COUNTS = (1000, 800, 1000, 1000, 1000, 1000)  # unofficial, see the card
 
 POSES = {
     "zero": (0.0, 0.0, 0.0, 0.0, 0.0, 0.0),
@@ -98,11 +102,9 @@ def _joint(k: int) -> Joint:
             inductance=INDUCTANCE[k],
             max_voltage=SUPPLY_VOLTAGE,
             max_current=TORQUE[k] / (gear * TORQUE_CONSTANT[k]),
-            encoder_counts=ENCODER_COUNTS,
+            encoder_counts=ENCODER_COUNTS[k],
         ),
-        friction=Friction(
-            gear**2 * MOTOR_VISCOUS[k], gear * MOTOR_COULOMB[k][0], -gear * MOTOR_COULOMB[k][1]
-        ),
+        friction=Friction(gear**2 * MOTOR_VISCOUS[k], gear * MOTOR_COULOMB[k][0], -gear * MOTOR_COULOMB[k][1]),
     )
 
 

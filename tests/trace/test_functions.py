@@ -1,0 +1,112 @@
+"""The branch-free elementary functions against NumPy, over all quadrants and large angles."""
+
+import numpy as np
+import pytest
+
+from holonom import trace
+from holonom.errors import ShapeError
+
+
+@pytest.fixture(scope="module")
+def elementary():
+    def equation(a):
+        x, y = a
+        return [
+            trace.sin(x),
+            trace.cos(x),
+            trace.atan2(y, x),
+            trace.sqrt(trace.absolute(x)),
+            trace.minimum(x, y),
+            trace.maximum(x, y),
+            trace.select(trace.less(x, y) & trace.less(0.0, y), x / (y * y + 1.0), y),
+        ]
+
+    return trace.compile(equation, {"a": 2}, {"y": 7}, name="test_elementary"), equation
+
+
+def samples() -> np.ndarray:
+    rng = np.random.default_rng(5)
+    special = [0.0, -0.0, 1.0, -1.0, 0.66, np.pi, -np.pi, np.pi / 2, 1e-300, 1e-9, 1e4, -1e4]
+    grid = np.array([(x, y) for x in special for y in special])
+    return np.concatenate([grid, rng.normal(size=(2000, 2)), rng.uniform(-1e4, 1e4, (2000, 2))])
+
+
+def test_compiled_equals_numpy(elementary):
+    kernel, _ = elementary
+    a = samples()
+    x, y = a.T
+    found = kernel(a)
+    assert np.abs(found[:, 0] - np.sin(x)).max() < 1e-14
+    assert np.abs(found[:, 1] - np.cos(x)).max() < 1e-14
+    plus_zero = (x == 0) & np.signbit(x) & (y == 0)  # at the origin every quadrant gives +-0
+    assert np.abs(found[:, 2] - np.arctan2(y, x))[~plus_zero].max() < 1e-15
+    assert np.abs(found[plus_zero, 2]).max() == 0.0
+    np.testing.assert_array_equal(found[:, 3], np.sqrt(np.abs(x)))
+    np.testing.assert_array_equal(found[:, 4], np.minimum(x, y))
+    np.testing.assert_array_equal(found[:, 5], np.maximum(x, y))
+
+
+def test_compiled_equals_floats_in_every_form(elementary):
+    kernel, equation = elementary
+    a = samples()[::7]
+    floats = np.array([equation(row) for row in a.tolist()])
+    batch = kernel(a)
+    single = np.array([kernel(row) for row in a])
+    assert np.allclose(batch, floats, rtol=1e-12, atol=1e-12)
+    assert np.allclose(single, floats, rtol=1e-12, atol=1e-12)
+
+
+def test_batches_of_every_size_and_threads(elementary):
+    kernel, _ = elementary
+    a = samples()[:300]
+    whole = kernel(a)
+    for count in (0, 1, 2, 63, 64, 65, 128, 300):
+        np.testing.assert_array_equal(kernel(a[:count]), whole[:count])
+        np.testing.assert_array_equal(kernel(a[:count], threads=2), whole[:count])
+
+
+def test_leading_axes_broadcast_and_out_is_used(elementary):
+    kernel, _ = elementary
+    a = samples()[:24].reshape(2, 3, 4, 2)
+    out = np.empty((2, 3, 4, 7))
+    assert kernel(a, out=out) is out
+    np.testing.assert_array_equal(out.reshape(24, 7), kernel(a.reshape(24, 2)))
+    one = np.empty(7)
+    assert kernel(a[0, 0, 0], out=one) is one
+
+
+def test_other_layouts_are_taken(elementary):
+    kernel, _ = elementary
+    a = samples()[:32]
+    wanted = kernel(a)
+    np.testing.assert_array_equal(kernel(np.asfortranarray(a)), wanted)
+    np.testing.assert_array_equal(kernel(a.tolist()), wanted)
+    np.testing.assert_array_equal(kernel(np.repeat(a, 2, axis=0)[::2]), wanted)
+    frozen = a.copy()
+    frozen.flags.writeable = False
+    np.testing.assert_array_equal(kernel(frozen), wanted)
+    np.testing.assert_array_equal(kernel([1, 2]), kernel([1.0, 2.0]))
+
+
+@pytest.mark.parametrize(
+    ("bad", "says"),
+    [
+        (np.zeros(3), "shape"),
+        (np.zeros((4, 3)), "shape"),
+        ([1.0, np.nan], r"a\[1\] is nan"),
+        ([[1.0, 2.0], [np.inf, 1.0]], r"a\[0\] is inf in row \(1,\)"),
+        (["x", 1.0], "not a number"),
+    ],
+)
+def test_bad_input_is_named(elementary, bad, says):
+    kernel, _ = elementary
+    with pytest.raises(ShapeError, match=says):
+        kernel(bad)
+
+
+def test_bad_out_and_count_are_named(elementary):
+    kernel, _ = elementary
+    with pytest.raises(ShapeError, match="out= for y"):
+        kernel(np.zeros((5, 2)), out=np.zeros((5, 6)))
+    with pytest.raises(ShapeError, match="takes 1 arrays"):
+        kernel(np.zeros(2), np.zeros(2))
