@@ -11,7 +11,6 @@ from lark.exceptions import UnexpectedInput
 
 from holonom.errors import ProgramError
 from holonom.lang.diagnostics import Diagnostic, Node, Span, nearest, span_of
-from holonom.lang.functions import FUNCTIONS
 from holonom.lang.instructions import INSTRUCTIONS
 
 __all__ = ["WORDS", "parse"]
@@ -44,10 +43,11 @@ _ARITHMETIC = {"PLUS", "MINUS", "STAR", "SLASH", "POWER", "MOD", "AND", "OR", "X
 _GROUPS: tuple[tuple[set[str], set[str], str], ...] = (
     ({"STRING", "LPAR"}, {"NAME", "NUMBER", "MINUS", "NOT", "COM", "TIMER", "_HERE", "_SHIFT", "_ENCODE"}, "a value"),
     ({"ACTION"}, {WORDS[w] for w in _STATEMENTS} | {"NAME", "NUMBER", "_NL"}, "an instruction"),
-    ({"STAR"}, _ARITHMETIC | {"COMPARE"}, "an operator"),
+    ({"OR"}, _ARITHMETIC | {"COMPARE"}, "an operator"),
 )
 _PLAIN = {
     "_NL": "the end of the line",
+    "$END": "the end of the file",
     "NAME": "a name",
     "NUMBER": "a number",
     "EQUAL": "'='",
@@ -123,27 +123,26 @@ def _stray_character(error: UnexpectedCharacters, text: str, file: str) -> Diagn
 def _misplaced(error: UnexpectedInput, text: str, file: str) -> Diagnostic:
     """Explain a token that cannot stand where it stands."""
     token: Token = error.token  # type: ignore[attr-defined]
-    stack = [t for t in error.interactive_parser.parser_state.value_stack if isinstance(t, Token)]
-    accepted: set[str] = error.interactive_parser.accepts()  # type: ignore[no-untyped-call]
+    parser = error.interactive_parser
+    accepted: set[str] = parser.accepts()  # type: ignore[no-untyped-call]
+    read = parser.parser_state.value_stack
+    before = read[-1] if read and isinstance(read[-1], Token) else None
+    if before is not None and _begins_line(before, text):
+        hint = nearest(before.upper(), _STATEMENTS) or "an assignment is written name = value"
+        what = f"there is no instruction {str(before)!r}"
+        return Diagnostic(file, span_of(before), what, hint, _line(text, before.line or 1))
     span = span_of(token)
     if token.type == "$END":
         last = max(1, len(text.splitlines()))
         span = Span(last, len(_line(text, last)) + 1, len(_line(text, last)) + 2)
-    last_token = stack[-1] if stack else None
-    if last_token is not None and _is_lone_word(last_token, token, text):
-        return Diagnostic(
-            file,
-            span_of(last_token),
-            f"there is no instruction {str(last_token)!r}",
-            nearest(last_token.upper(), _STATEMENTS) or "an assignment is written name = value",
-            _line(text, last_token.line or 1),
-        )
     what = f"{_describe(token)} cannot stand here; expected {_listed(accepted)}"
-    return Diagnostic(file, span, what, _hint(token, stack, accepted), _line(text, span.line))
+    opened = [t for t in read if isinstance(t, Token) and t.type in _OPENS]
+    hint = _unclosed(token, opened) or _hint(token, before, accepted)
+    return Diagnostic(file, span, what, hint, _line(text, span.line))
 
 
-def _is_lone_word(word: Token, after: Token, text: str) -> bool:
-    """Whether `word` is a name that begins its line where an instruction belongs."""
+def _begins_line(word: Token, text: str) -> bool:
+    """Whether `word` is a name that begins its line, where an instruction belongs."""
     if word.type != "NAME":
         return False
     before = _line(text, word.line or 1)[: (word.column or 1) - 1].strip()
@@ -164,29 +163,33 @@ def _listed(accepted: set[str]) -> str:
     return " or ".join((", ".join(words[:-1]), words[-1])) if len(words) > 1 else "".join(words)
 
 
-def _hint(token: Token, stack: list[Token], accepted: set[str]) -> str:
+def _unclosed(token: Token, opened: list[Token]) -> str:
+    """Return what is not closed where a program ends too early."""
+    if token.type not in ("_DOT_END", "_PROGRAM", "$END"):
+        return ""
+    if not opened:
+        return "a program ends with .END" if token.type == "$END" else ""
+    start = opened[-1]
+    if start.type == "_DO" and len(opened) > 1 and opened[-2].line == start.line:
+        start = opened[-2]
+    close = "UNTIL" if start.type == "_DO" else "END"
+    return f"the {_OPENS[start.type]} of line {start.line} is not closed; add {close}"
+
+
+def _hint(token: Token, before: Token | None, accepted: set[str]) -> str:
     """Return what to do about it, where that is known."""
-    opened = [t for t in stack if t.type in _OPENS]
-    if token.type in ("_DOT_END", "_PROGRAM", "$END") and opened:
-        start = opened[-1]
-        if start.type == "_DO" and len(opened) > 1 and opened[-2].line == start.line:
-            start = opened[-2]
-        close = "UNTIL" if start.type == "_DO" else "END"
-        return f"the {_OPENS[start.type]} of line {start.line} is not closed; add {close}"
-    if token.type == "$END":
-        return "a program ends with .END"
     if token.type in ("_END", "_ELSE", "_ELSEIF", "_UNTIL", "_VALUE", "_ANY") and "ACTION" in accepted:
-        return f"no block that {str(token).upper()} could belong to is open here"
-    if token.type == "EQUAL":
-        if stack and stack[-1].type in WORDS.values():
-            return f"{str(stack[-1]).upper()} is a word of the language; choose another name for the variable"
+        return f"no block that {token.upper()} could belong to is open here"
+    if token.type in ("EQUAL", "LSQB") and before is not None and before.upper() in WORDS:
+        return f"{before.upper()} is a word of the language; choose another name for the variable"
+    if token.type == "EQUAL" and "OR" in accepted:
         return "values are compared with =="
     if "_PROGRAM" in accepted:
         return "instructions stand between .PROGRAM name() and .END"
-    if token.upper() in WORDS and accepted & {"NAME", "NUMBER"}:
+    if "_BY" in accepted:
+        return "write SHIFT(location BY dx, dy, dz)"
+    if token.upper() in WORDS and "NAME" in accepted and "ACTION" not in accepted:
         return f"{token.upper()} is a word of the language and cannot be a name"
     if token.type == "NAME":
         return nearest(token.upper(), [k.strip("_") for k in accepted if k.strip("_") in WORDS])
-    if token.type == "LPAR" and stack and stack[-1].upper() not in FUNCTIONS:
-        return "elements of an array are written name[index]"
     return ""
