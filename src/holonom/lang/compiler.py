@@ -54,8 +54,10 @@ def compile_program(text: str, file: str = "<program>", locations: Mapping[str, 
     return Program(file, b.lines, routines, names, tuple(b.warnings))
 
 
-def load_program(path: Path | str) -> Program:
-    """Compile a program file, with the location file beside it (`name.loc` beside `name.arps`) if there is one.
+def load_program(path: Path | str, locations: Path | str | None = None) -> Program:
+    """Compile a program file with a location file.
+
+    `locations` defaults to the file beside the program with the ending `.loc`, if there is one.
 
     Raises
     ------
@@ -64,8 +66,9 @@ def load_program(path: Path | str) -> Program:
     """
     path = Path(path)
     beside = path.with_suffix(".loc")
-    locations = read_locations(_read(beside), str(beside)) if beside.is_file() else {}
-    return compile_program(_read(path), str(path), locations)
+    taught = Path(locations) if locations is not None else beside if beside.is_file() else None
+    found = read_locations(_read(taught), str(taught)) if taught is not None else {}
+    return compile_program(_read(path), str(path), found)
 
 
 def _read(path: Path) -> str:
@@ -74,7 +77,7 @@ def _read(path: Path) -> str:
     except UnicodeDecodeError as error:
         raise ProgramError(f"{path}: not a text in UTF-8 ({error.reason} at byte {error.start})") from None
     except OSError as error:
-        raise ProgramError(f"{path}: cannot be read: {error.strerror}; give the path of a program") from None
+        raise ProgramError(f"{path}: cannot be read: {error.strerror}; give the path of a readable file") from None
 
 
 def _give(b: Builder, locations: Mapping[str, Array]) -> dict[str, list[tuple[tuple[int, ...], Array]]]:
@@ -134,10 +137,11 @@ def _resolve_labels(b: Builder) -> None:
 
 
 def _settle_arguments(b: Builder) -> None:
-    """Let what is known of arguments and parameters flow both ways until nothing changes, then compare."""
-    news = True
-    while news:
-        news = sum(_flow(argument) for argument in b.arguments) > 0
+    """Let what is known flow from parameters to arguments, then back, until nothing changes; then compare."""
+    while sum(_tell_argument(argument) for argument in b.arguments):
+        pass
+    while sum(_tell_parameter(a) + _tell_argument(a) for a in b.arguments):
+        pass
     for argument in b.arguments:
         parameter = argument.parameter
         kind = argument.symbol.kind if argument.symbol else argument.kind
@@ -149,17 +153,23 @@ def _settle_arguments(b: Builder) -> None:
             b.error(argument.node, f"{call} is {wanted}, and this is not")
 
 
-def _flow(argument: Argument) -> bool:
-    """Tell argument and parameter what is known of the other; return whether that was news."""
+def _tell_argument(argument: Argument) -> bool:
+    """Tell the variable passed what the routine does with it; return whether that was news."""
     symbol, parameter = argument.symbol, argument.parameter
-    before = (parameter.kind, symbol and symbol.kind, symbol and symbol.written)
     if symbol is None:
-        parameter.kind = parameter.kind or argument.kind
-    else:
-        parameter.kind = parameter.kind or symbol.kind
-        symbol.kind = symbol.kind or parameter.kind
-        symbol.written = symbol.written or parameter.written
-    return before != (parameter.kind, symbol and symbol.kind, symbol and symbol.written)
+        return False
+    before = (symbol.kind, symbol.written)
+    symbol.kind = symbol.kind or parameter.kind
+    symbol.written = symbol.written or parameter.written
+    return before != (symbol.kind, symbol.written)
+
+
+def _tell_parameter(argument: Argument) -> bool:
+    """Tell a parameter of unknown kind what is passed; return whether that was news."""
+    kind = argument.symbol.kind if argument.symbol else argument.kind
+    news = argument.parameter.kind is None and kind is not None
+    argument.parameter.kind = argument.parameter.kind or kind
+    return news
 
 
 def _check_names(b: Builder) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 from importlib import resources
-from typing import cast
+from typing import Any, cast
 
 from lark import Lark, Token, UnexpectedCharacters, UnexpectedEOF, UnexpectedToken
 from lark.exceptions import UnexpectedInput
@@ -126,7 +126,7 @@ def _misplaced(error: UnexpectedInput, text: str, file: str) -> Diagnostic:
     parser = error.interactive_parser
     accepted: set[str] = parser.accepts()  # type: ignore[no-untyped-call]
     read = parser.parser_state.value_stack
-    before = read[-1] if read and isinstance(read[-1], Token) else None
+    before = _word_before(read)
     if before is not None and _begins_line(before, text):
         hint = nearest(before.upper(), _STATEMENTS) or "an assignment is written name = value"
         what = f"there is no instruction {str(before)!r}"
@@ -139,6 +139,14 @@ def _misplaced(error: UnexpectedInput, text: str, file: str) -> Diagnostic:
     opened = [t for t in read if isinstance(t, Token) and t.type in _OPENS]
     hint = _unclosed(token, opened) or _hint(token, before, accepted)
     return Diagnostic(file, span, what, hint, _line(text, span.line))
+
+
+def _word_before(read: list[Any]) -> Token | None:
+    """Return the token that was read last, also when the parser has already taken it for a variable."""
+    last = read[-1] if read else None
+    while isinstance(last, Node) and last.data in ("variable", "name"):
+        last = last.children[0]
+    return last if isinstance(last, Token) else None
 
 
 def _begins_line(word: Token, text: str) -> bool:
