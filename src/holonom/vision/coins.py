@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.errors import ImageError
-from holonom.vision.background import Grey, Image, ground, lit_region
+from holonom.vision.background import Grey, Image, Mask, ground, lit_region
 from holonom.vision.outline import Outlines, polygon_moments, trace_outlines
 
 __all__ = ["Disc", "find_coins"]
@@ -22,6 +22,7 @@ SEED = 0.3  # least brightness of a seed above its surroundings
 FALL = 0.15  # least fall of brightness that counts as an edge
 EDGE = 0.75  # least part of the outline that is an edge
 ROUND = 0.85  # least 4 pi area / perimeter^2
+WIDER = 1.1  # width of the ground's opening in the second look, in units of the largest coin of the first
 ROUNDS = 2  # of drawing the outline, each around the centre and size of the last
 
 
@@ -63,13 +64,23 @@ def find_coins(image: Grey, *, smallest: float = 0.04, largest: float = 0.22) ->
     -----
     The ground is a morphological opening with a disc wider than any coin; what rises above it is scaled by
     Otsu's threshold (1979) and cut off at 1. Seeds are the maxima, over place and size, of the mean in a
-    disc less the mean in the ring around it.
+    disc less the mean in the ring around it. A second look takes the size of the largest coin into account:
+    the narrower the opening, the better the ground follows uneven light.
     """
     if not isinstance(image, np.ndarray) or image.ndim != 2 or image.dtype != np.uint8:
         came = f"{image.dtype} of shape {image.shape}" if isinstance(image, np.ndarray) else type(image).__name__
         raise ImageError(f"the image is {came}; a grey image (h, w) of uint8 is wanted: see load_photograph")
     if not 0.0 < smallest < largest < 0.5:
         raise ImageError(f"sizes from {smallest} to {largest} of the image; 0 < smallest < largest < 0.5 is wanted")
+    coins = _find(image, smallest, largest)
+    if not coins:
+        return ()
+    widest = max(coin.diameter for coin in coins) / max(image.shape)
+    coins = _find(image, smallest, min(largest, WIDER * widest))
+    return tuple(sorted(coins, key=lambda coin: (coin.v, coin.u)))
+
+
+def _find(image: Grey, smallest: float, largest: float) -> list[Disc]:
     scale = SEED_SIDE / max(image.shape)
     small = _resize(image, scale)
     region = lit_region(small, blur=SEED_SIDE / 400)
@@ -77,18 +88,21 @@ def find_coins(image: Grey, *, smallest: float = 0.04, largest: float = 0.22) ->
     rise = np.clip(small - under, 0.0, 255.0).astype(np.uint8)
     unit = max(float(cv2.threshold(rise[region], 0, 255, cv2.THRESH_OTSU)[0]), 1.0)
     seeds = _seeds(np.minimum(rise / np.float32(unit), np.float32(1.0)), smallest, largest)
-    if not len(seeds):
-        return ()
     size = (image.shape[1], image.shape[0])
-    relief = (image - cv2.resize(under, size)) / np.float32(unit)
+    relief = ((image - cv2.resize(under, size)) / np.float32(unit)).astype(np.float32)
     inside = cv2.resize(region.astype(np.uint8), size, interpolation=cv2.INTER_NEAREST) > 0
-    centres, radii = (seeds[:, :2] + 0.5) / scale - 0.5, seeds[:, 2] / scale
+    return _drawn(relief, inside, (seeds[:, :2] + 0.5) / scale - 0.5, seeds[:, 2] / scale)
+
+
+def _drawn(relief: Image, inside: Mask, centres: Floats, radii: Floats) -> list[Disc]:
+    """Discs around the seeds, each outline drawn around the centre and size of the one before."""
+    if not len(radii):
+        return []
     for _ in range(ROUNDS):
         outlines = trace_outlines(relief, inside, centres, radii)
         area, centres, _ = polygon_moments(outlines.points)
         radii = np.sqrt(area / np.pi)
-    discs = _accept(outlines)
-    return tuple(sorted(discs, key=lambda disc: (disc.v, disc.u)))
+    return _accept(outlines)
 
 
 def _resize(image: Grey, scale: float) -> Grey:
@@ -107,15 +121,15 @@ def _seeds(relief: Image, smallest: float, largest: float) -> Floats:
     found = (stack == peak) & (stack > SEED) & (stack >= highest[:-2]) & (stack >= highest[2:])
     layer, v, u = np.nonzero(found)
     seeds = np.stack([u, v, radii[layer]], axis=-1).astype(np.float64)
-    return seeds[_best_apart(seeds[:, :2], 0.5 * seeds[:, 2], stack[found].astype(np.float64))]
+    return seeds[_best_apart(seeds[:, :2], 0.5 * seeds[:, 2], stack[found].astype(np.float64), np.minimum)]
 
 
-def _best_apart(centres: Floats, radii: Floats, merit: Floats) -> list[int]:
-    """Indices, the best first, of circles of which none holds the centre of another."""
+def _best_apart(centres: Floats, reach: Floats, merit: Floats, shared: np.ufunc) -> list[int]:
+    """Indices, the best first, of circles further apart than what `shared` makes of their two reaches."""
     kept: list[int] = []
     for k in np.argsort(-merit, kind="stable"):
         distance = np.hypot(*(centres[kept] - centres[k]).T)
-        if (distance > np.maximum(radii[kept], radii[k])).all():
+        if (distance > shared(reach[kept], reach[k])).all():
             kept.append(int(k))
     return kept
 
@@ -137,7 +151,7 @@ def _accept(outlines: Outlines) -> list[Disc]:
     edge = (outlines.fall > FALL).mean(axis=1)
     good = np.flatnonzero((edge >= EDGE) & (4.0 * np.pi * area >= ROUND * perimeter**2))
     radii = np.sqrt(area / np.pi)
-    best = good[_best_apart(centres[good], radii[good], outlines.fall[good].mean(axis=1))]
+    best = good[_best_apart(centres[good], radii[good], outlines.fall[good].mean(axis=1), np.maximum)]
     return [_disc(centres[k], float(area[k]), outlines.points[k]) for k in best]
 
 
