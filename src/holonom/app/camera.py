@@ -28,7 +28,7 @@ from holonom.vision import (
     to_table,
 )
 
-__all__ = ["Seen", "layout", "look", "placement_pose"]
+__all__ = ["Seen", "calibrate", "layout", "look", "pixel_axes", "placement_pose"]
 
 Array = NDArray[np.float64]
 FINGER_CLEARANCE = 1.5e-3
@@ -109,6 +109,8 @@ def _for_program(cell: Cell, parts: Parts, measured: tuple[TablePart, ...]) -> t
 def layout(parts: Parts, seen: Seen) -> tuple[Array, Array]:
     """Where the simulated parts truly lie: centres (k, 2) and diameters (k,) in the table frame, m.
 
+    In the order in which the camera numbers them, as far as it sees them.
+
     Raises
     ------
     CellError
@@ -118,8 +120,12 @@ def layout(parts: Parts, seen: Seen) -> tuple[Array, Array]:
         return np.array([[p.x, p.y] for p in seen.measured]), np.array([p.diameter for p in seen.measured])
     rows = _read_layout(parts.layout)
     centres = to_table(seen.camera, rows[:, :2])
-    step = to_table(seen.camera, rows[:, :2] + [1.0, 0.0]) - centres
-    return centres, rows[:, 2] * np.hypot(step[:, 0], step[:, 1])
+    step = to_table(seen.camera, rows[:, :2] + np.array([1.0, 0.0])) - centres
+    found = np.array([[disc.u, disc.v] for disc in seen.discs]).reshape(-1, 2)
+    apart = np.linalg.norm(rows[:, None, :2] - found[None], axis=-1)
+    number = apart.argmin(axis=1) if len(found) else np.zeros(len(rows))
+    order = np.argsort(number, kind="stable")
+    return centres[order], (rows[:, 2] * np.hypot(step[:, 0], step[:, 1]))[order]
 
 
 def _read_layout(path: Path) -> Array:
@@ -140,6 +146,6 @@ def _read_layout(path: Path) -> Array:
 def pixel_axes(camera: TableCamera, centre: Array) -> tuple[Array, Array]:
     """Pixel of a table point (2,) and pixels per metre along the table's x and y there, (2, 2)."""
     h = 1e-4
-    points = np.array([centre, centre + [h, 0.0], centre + [0.0, h]])
+    points = centre + np.array([[0.0, 0.0], [h, 0.0], [0.0, h]])
     uv = to_pixel(camera, points)
     return uv[0], ((uv[1:] - uv[0]) / h).T

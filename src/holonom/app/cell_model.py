@@ -149,7 +149,7 @@ class Parts(Section):
     grasp_height: Annotated[float, Quantity("length", "0mm", "1m")]
     """height of the finger tips above the table when they grasp a part"""
     layout: File | None = None
-    """where the simulated parts truly lie: CSV with u, v, diameter in pixels; where the camera sees them unless given"""
+    """where the simulated parts truly lie: CSV with u, v, diameter in px; where the camera sees them unless given"""
 
     @field_validator("grasp_height")
     @classmethod

@@ -24,6 +24,7 @@ from holonom.app.tracking import compare_tracking, tracking_table
 from holonom.errors import DriveFault, MotionError, ProgramFault, RunError
 from holonom.lang import Program, Status, compile_program, read_locations, start, step
 from holonom.mechanics import Arm
+from holonom.model import preset
 from holonom.sim import SimulatedMachine, World
 
 __all__ = ["load_cell_program", "run_cell"]
@@ -209,7 +210,7 @@ def _summary(cell: Cell, runs: list[Run]) -> dict[str, Any]:
         "joints": {
             joint.name: {
                 "peak_speed_rad_s": float(state["peak_speed"]),
-                "speed_limit_rad_s": joint.limits.speed,
+                "speed_limit_rad_s": rated.limits.speed,
                 "peak_torque_Nm": float(state["peak_torque"]),
                 "torque_limit_Nm": joint.limits.torque,
                 "peak_current_A": float(state["peak_current"]),
@@ -219,7 +220,7 @@ def _summary(cell: Cell, runs: list[Run]) -> dict[str, Any]:
                 "peak_error_rad": float(state["peak_error"]),
                 "rms_error_rad": float(error),
             }
-            for joint, state, error in zip(axes, states, rms, strict=True)
+            for joint, rated, state, error in zip(axes, preset(cell.arm.preset).joints, states, rms, strict=True)
         },
         "tracking": tracking_table(runs_tracked(runs)) if len(runs) > 1 else None,
     }
@@ -262,12 +263,20 @@ def _report(
 def _limits(summary: dict[str, Any]) -> list[LimitUse]:
     """Peaks of the compiled loops (10 kHz) against the model's limits."""
     joints = list(summary["joints"].values())
-    column = lambda key: np.array([joint[key] for joint in joints], dtype=float)  # noqa: E731
+    quantities = (
+        ("Joint speed", "rad/s", "speed", "rad_s"),
+        ("Joint torque", "N m", "torque", "Nm"),
+        ("Motor current", "A", "current", "A"),
+        ("Motor voltage", "V", "voltage", "V"),
+    )
     return [
-        LimitUse("Joint speed", "rad/s", column("peak_speed_rad_s"), column("speed_limit_rad_s")),
-        LimitUse("Joint torque", "N m", column("peak_torque_Nm"), column("torque_limit_Nm")),
-        LimitUse("Motor current", "A", column("peak_current_A"), column("current_limit_A")),
-        LimitUse("Motor voltage", "V", column("peak_voltage_V"), column("voltage_limit_V")),
+        LimitUse(
+            name,
+            unit,
+            np.array([joint[f"peak_{key}_{suffix}"] for joint in joints]),
+            np.array([joint[f"{key}_limit_{suffix}"] for joint in joints]),
+        )
+        for name, unit, key, suffix in quantities
     ]
 
 

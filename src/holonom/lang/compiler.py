@@ -44,7 +44,11 @@ def compile_program(text: str, file: str = "<program>", locations: Mapping[str, 
     nodes = [node for node in tree.children if isinstance(node, Node)]
     for node in nodes:
         _declare(b, node)
-    routines = tuple(_routine(b, node) for node in nodes)
+    try:
+        routines = tuple(_routine(b, node) for node in nodes)
+    except RecursionError:
+        where = f"{file}:{b.line}"
+        raise ProgramError(f"{where}: nested too deeply; use variables for parts of it") from None
     _settle_arguments(b)
     _check_names(b)
     if b.errors:

@@ -89,9 +89,10 @@ def _numbers(tail: str, column: int, place: _Place) -> list[float]:
             value = float(part)
         except ValueError:
             value = math.nan
-        if not math.isfinite(value):
-            lead = len(part) - len(part.lstrip())
-            raise place.error(column + lead, f"{part.strip()!r} is no number", _FORM, max(1, len(part.strip())))
+        if not abs(value) <= 1e6:
+            lead, shown = len(part) - len(part.lstrip()), part.strip()
+            what = f"{shown!r} is no number" if math.isnan(value) else f"{shown} is beyond 1e6 mm or degrees"
+            raise place.error(column + lead, what, _FORM, max(1, len(shown)))
         values.append(value)
         column += len(part) + 1
     return values

@@ -14,14 +14,15 @@ import numpy as np
 from holonom.errors import ProgramFault
 from holonom.lang.machine import Array
 
-__all__ = ["angles", "frame", "inverse", "precision_point", "shift", "transformation"]
+__all__ = ["angles", "compound", "frame", "inverse", "precision_point", "shift", "transformation"]
 
 _MM = 1e-3
+_FARTHEST = 1e6
 
 
 def transformation(values: Sequence[float]) -> Array:
     """Return the pose (4, 4) in m of `x, y, z` in mm and Z-Y-Z angles `o, a, t` in degrees."""
-    x, y, z, *turns = values
+    x, y, z, *turns = _checked(values)
     (co, ca, ct), (so, sa, st) = zip(*map(_cos_sin, turns), strict=True)
     return np.array(
         [
@@ -56,7 +57,14 @@ def inverse(pose: Array) -> Array:
 def shift(pose: Array, dx: float, dy: float, dz: float) -> Array:
     """Return the pose displaced by mm along the axes it is given in; its orientation stays."""
     result = pose.copy()
-    result[:3, 3] += np.array([dx, dy, dz]) * _MM
+    result[:3, 3] += np.array(_checked((dx, dy, dz))) * _MM
+    return result
+
+
+def compound(first: Array, second: Array) -> Array:
+    """Return `first : second`, the second pose given in the frame of the first."""
+    result = first @ second
+    _checked(result[:3, 3] / _MM)
     return result
 
 
@@ -85,7 +93,15 @@ def frame(origin: Array, on_x: Array, near_y: Array, placed: Array) -> Array:
 
 def precision_point(values: Sequence[float]) -> Array:
     """Return joint values (n,) in rad of values in degrees."""
-    return np.deg2rad(np.array(values, dtype=np.float64))
+    return np.deg2rad(np.array(_checked(values), dtype=np.float64))
+
+
+def _checked(values: Sequence[float] | Array) -> Sequence[float] | Array:
+    """Return mm or degrees as they are; `ProgramFault` beyond what arithmetic on poses can bear."""
+    for value in values:
+        if not abs(value) <= _FARTHEST:
+            raise ProgramFault(f"{value:g} is out of range; mm and degrees go up to {_FARTHEST:g}")
+    return values
 
 
 def _cos_sin(degrees: float) -> tuple[float, float]:

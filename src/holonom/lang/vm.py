@@ -250,7 +250,7 @@ def _binary(vm: Vm, name: str) -> None:
 
 def _compound(vm: Vm, _: None) -> None:
     first, second = _popped(vm, 2)
-    vm.state.stack.append(first @ second)
+    vm.state.stack.append(poses.compound(first, second))
 
 
 def _function(vm: Vm, operand: tuple[str, int]) -> None:

@@ -7,6 +7,7 @@
 =====================  ================================================================
 """
 
+from holonom.mechanics import motion
 from holonom.mechanics.arm import Arm, IkNearest, IkResult, IkStatus, Limits, arm_from_dh, load_arm
 
-__all__ = ["Arm", "IkNearest", "IkResult", "IkStatus", "Limits", "arm_from_dh", "load_arm"]
+__all__ = ["Arm", "IkNearest", "IkResult", "IkStatus", "Limits", "arm_from_dh", "load_arm", "motion"]

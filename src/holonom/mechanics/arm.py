@@ -108,6 +108,21 @@ class Arm:
         gx, gy, gz = (float(g) for g in gravity)
         return Arm(dataclasses.replace(self.model, gravity=(gx, gy, gz)))
 
+    def with_limits(self, *, speed: float = 1.0, acceleration: float = 1.0) -> Arm:
+        """Return the arm with its joints' speed and acceleration limits scaled by factors."""
+        joints = tuple(
+            dataclasses.replace(
+                joint,
+                limits=dataclasses.replace(
+                    joint.limits,
+                    speed=joint.limits.speed * speed,
+                    acceleration=joint.limits.acceleration * acceleration,
+                ),
+            )
+            for joint in self.model.joints
+        )
+        return Arm(dataclasses.replace(self.model, joints=joints))
+
     def with_load(self, body: Body) -> Arm:
         """Return the arm with a body fixed to its last link (in that link's frame), such as a gripper."""
         if self.model.bodies is None:

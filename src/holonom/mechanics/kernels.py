@@ -103,9 +103,7 @@ def _forward_dynamics(model: ArmModel, options: Options) -> Kernel:
 
     def equation(q: Vector, qd: Vector, tau: Vector, wrench: Vector | None = None) -> list[Number]:
         load = None if wrench is None else _wrench_in_tool(model, q, wrench, frame)
-        return forward_dynamics.forward_dynamics(
-            model, bodies, q, qd, tau, friction=friction, wrench_tool=load
-        )
+        return forward_dynamics.forward_dynamics(model, bodies, q, qd, tau, friction=friction, wrench_tool=load)
 
     return compile(equation, inputs, {"qdd": n}, name=f"{model.name}_forward_dynamics")
 

@@ -72,9 +72,9 @@ class DryMachine:
         """Motions end at once."""
         return True
 
-    def set_hand(self, opening: float) -> None:
+    def set_hand(self, closed: bool) -> None:
         """The hand takes its time."""
-        del opening
+        del closed
         self._clock += self._hand_time
 
     def hand_idle(self) -> bool:

@@ -30,18 +30,28 @@ SETTLED_SPEED = 0.02
 
 
 class MotionRequest(Protocol):
-    """The part of `lang.Motion` that a machine reads; see there."""
+    """What a machine reads of a `lang.Motion`; see there."""
 
-    kind: Any
-    pose: Array | None
-    joints: Array | None
-    speed: float
-    speed_mps: float | None
-    acceleration: float
-    configuration: Any
-    blend: bool
-    tolerance: Any
-    line: int
+    @property
+    def kind(self) -> str: ...
+    @property
+    def pose(self) -> Array | None: ...
+    @property
+    def joints(self) -> Array | None: ...
+    @property
+    def speed(self) -> float: ...
+    @property
+    def speed_mps(self) -> float | None: ...
+    @property
+    def acceleration(self) -> float: ...
+    @property
+    def configuration(self) -> Any: ...
+    @property
+    def blend(self) -> bool: ...
+    @property
+    def tolerance(self) -> str: ...
+    @property
+    def line(self) -> int: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,9 +182,9 @@ class SimulatedMachine:
         speed = np.abs(self.plant.states["speed"]).max()
         return bool(error < SETTLED[self._tolerance] and speed < SETTLED_SPEED)
 
-    def set_hand(self, opening: float) -> None:
-        """Send the fingers to an opening, m; 0 closes them."""
-        self.world.send_hand(opening)
+    def set_hand(self, closed: bool) -> None:
+        """Close or open the hand."""
+        self.world.send_hand(0.0 if closed else self.world.gripper.max_opening)
 
     def hand_idle(self) -> bool:
         """Whether the fingers have arrived, at their opening or on a part."""
@@ -246,13 +256,12 @@ class SimulatedMachine:
         DriveFault, MotionError
             An axis left its limits, or a finger hit a part.
         """
-        reference = self._next_samples()
-        self.plant.advance(reference)
+        self.plant.advance(self._next_samples())
         T = self.pose()
         for what in self.world.step(T, PROGRAM_TICK):
             self.log("info", "hand", what, self.active_line)
         self.plant.payload = self.world.payload
-        self._record(*reference[:, -1])
+        self._record(*self._present_reference())
 
     def halt(self) -> None:
         """End the motion in a controlled way: brake along the path, or hold zero speed after a drive fault."""
@@ -260,9 +269,8 @@ class SimulatedMachine:
         self._planned, self._consumed, self._blend = rest, 0, False
         try:
             while self._consumed < len(self._planned.q):
-                reference = self._next_samples()
-                self.plant.advance(reference)
-                self._record(*reference[:, -1])
+                self.plant.advance(self._next_samples())
+                self._record(*self._present_reference())
         except DriveFault:
             self.brake()
 
@@ -280,6 +288,11 @@ class SimulatedMachine:
         last = len(self._planned.q) - 1
         k = np.minimum(np.arange(self._consumed, self._consumed + SAMPLES), last)
         self._consumed = min(self._consumed + SAMPLES, last + 1)
+        return np.stack([self._planned.q[k], self._planned.qd[k], self._planned.qdd[k]])
+
+    def _present_reference(self) -> Array:
+        """The reference (3, n) of this instant: the sample that the next tick begins with."""
+        k = min(self._consumed, len(self._planned.q) - 1)
         return np.stack([self._planned.q[k], self._planned.qd[k], self._planned.qdd[k]])
 
     def _record(self, q: Array, qd: Array, qdd: Array) -> None:

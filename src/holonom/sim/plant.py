@@ -47,7 +47,7 @@ class ControlSettings:
     """
 
     controller: str = "cascade"
-    law_bandwidth: float = 60.0
+    law_bandwidth: float = 50.0
     following_error: float = 0.1
     trip_margin: float = 0.25
 

@@ -95,17 +95,13 @@ def _read_topics(path: Path) -> dict[str, _Topic]:
                 elif isinstance(record, Channel):
                     channels[record.id] = topics[record.topic]
     except OSError as error:
-        raise InputError(
-            f"cannot read the recording {path}: {error.strerror}; give a recording.mcap"
-        ) from error
+        raise InputError(f"cannot read the recording {path}: {error.strerror}; give a recording.mcap") from error
     except McapError as error:
         raise InputError(f"{path} is no MCAP recording ({error}); give a recording.mcap of a run") from error
     return topics
 
 
-def _groups(
-    topic: _Topic, kind_of: Callable[[bytes], Any], layout_of: Callable[[Any], Layout]
-) -> list[_Group]:
+def _groups(topic: _Topic, kind_of: Callable[[bytes], Any], layout_of: Callable[[Any], Layout]) -> list[_Group]:
     """Messages of a topic, sorted by layout; within one layout in the order of the file."""
     times = np.array(topic.times, dtype=np.int64) / 1e9
     sizes = np.array([len(message) for message in topic.messages])

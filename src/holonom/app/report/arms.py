@@ -57,7 +57,7 @@ def gripper_shapes(
 
 
 def _puma560() -> tuple[Shape, ...]:
-    """The Unimate Puma 560 in standard Denavit-Hartenberg frames; sizes from the drawing of its manual.
+    """The Unimate Puma 560 in standard Denavit-Hartenberg frames; sizes for the eye.
 
     Upper arm and forearm lie side by side: the upper arm outside (0.20 to 0.29 m along the shoulder axis), the
     forearm inside, in the plane of the wrist (0.15 m).

@@ -9,3 +9,5 @@
 `puma_inverse`        closed-form inverse geometry of Puma-type arms
 ====================  ======================================================
 """
+
+__all__: list[str] = []

@@ -64,8 +64,8 @@ def puma_geometry(model: ArmModel) -> PumaGeometry | None:
         return None
     after = np.array([j.after for j in model.joints])
     before = np.array([j.before for j in model.joints])
-    quarter = np.array([0.0, 1.0, 0.0])  # third row of Rot(x, 90 deg)
-    turns = [quarter, [0.0, 0.0, 1.0], -quarter, quarter, -quarter, [0.0, 0.0, 1.0]]
+    quarter, none = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])  # third row of Rot(x, 90 deg), Rot(x, 0)
+    turns = [quarter, none, -quarter, quarter, -quarter, none]
     shape = np.array_equal(before, np.tile(np.eye(4), (6, 1, 1))) and all(
         np.allclose(T[2, :3], turn, atol=1e-12) and np.allclose(T[:3, 0], [1.0, 0.0, 0.0], atol=1e-12)
         for T, turn in zip(after, turns, strict=True)
