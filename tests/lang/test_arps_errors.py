@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 
 import numpy as np
 import pytest
 from arps_machine import wrap
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from holonom.errors import ProgramError
-from holonom.lang import compile_program, load_program, read_locations
+from holonom.lang import FUNCTIONS, WORDS, compile_program, load_program, read_locations
 
 TWO = ".PROGRAM main()\n{}\n.END\n.PROGRAM other(a, b[])\n  SET p = a\n  MOVE p\n  x = b[1]\n.END\n"
 
@@ -112,6 +115,22 @@ def test_empty_program() -> None:
         compile_program(" \n", "job.arps")
 
 
+@pytest.mark.parametrize("expression", ["(" * 3000 + "1" + ")" * 3000, "+".join(["1"] * 3000)])
+def test_expression_without_measure(expression: str) -> None:
+    assert message(f"x = {expression}").startswith("job.arps:2: nested too deeply")
+
+
+SIGNS = ["=", "==", "<", "+", "-", "*", "/", "^", "(", ")", "[", "]", ",", ":", ";", "@", "\n", "\n", "\n"]
+ALPHABET = [*WORDS, *FUNCTIONS, *SIGNS, "a", "b[1]", "c[]", "$s", "#p", "1", "2.5", '"t"']
+
+
+@given(st.lists(st.sampled_from(ALPHABET), max_size=30))
+@settings(max_examples=300, deadline=None)
+def test_any_text_compiles_or_is_a_program_error(words: list[str]) -> None:
+    with contextlib.suppress(ProgramError):
+        compile_program(wrap(" ".join(words)), "job.arps")
+
+
 def test_unused_label_is_a_warning() -> None:
     program = compile_program(wrap("GOTO a\na: x = 1\n10 y = 1"), "job.arps")
     (warning,) = program.warnings
@@ -144,7 +163,8 @@ def test_locations_are_read_in_mm_and_degrees() -> None:
         ("a = 1, 2, x, 4, 5, 6", 11, "'x' is no number"),
         ("a = 1, 2, nan, 4, 5, 6", 11, "'nan' is no number"),
         ("a = 1, 2,, 4, 5, 6", 10, "'' is no number"),
-        ("#b = 1, inf", 9, "'inf' is no number"),
+        ("#b = 1, inf", 9, "inf is beyond 1e6 mm or degrees"),
+        ("a = 1, 2, 3, 4, 5e6, 6", 17, "5e6 is beyond 1e6 mm or degrees"),
         ("2a = 1, 2, 3, 4, 5, 6", 1, "'2a' is no name of a location"),
         ("$a = 1, 2, 3, 4, 5, 6", 1, "'$a' is no name of a location"),
         ("speed = 1, 2, 3, 4, 5, 6", 1, "SPEED is a word of the language"),

@@ -220,6 +220,7 @@ def test_random_is_seeded() -> None:
 
 
 def test_type_formats() -> None:
+    assert said('TYPE /F0.1, -0.01, /D, " ", -0.0 * 1, " ", -0.5') == ["0.0 0 -0.5"]
     assert said('TYPE /F8.2, 3.14159, /I4, 7.6, /D, 0.5, /X2, "|", /E0.2, 1234') == ["    3.14   80.5  |1.23e+03"]
     assert said('TYPE "a", /S\nTYPE "b"\nTYPE\nTYPE "c", /C, "d"') == ["ab", "", "c\nd"]
     assert said('$s = $ENCODE("x = ", /F0.1, 2.25) + $CHR(33)\nTYPE $MID($s, 1, 3), $s') == ["x =x = 2.2!"]
@@ -241,6 +242,8 @@ def test_type_formats() -> None:
         ("FOR i = 1 TO 2 STEP 0\nEND", "STEP of 0"),
         ("x = 1.5 BAND 1", "whole numbers of 32 bits"),
         ('$a = "x"\nFOR i = 1 TO 20\n$a = $a + $a\nEND', "the longest is 1024"),
+        ("MOVE TRANS(1E7)", "TRANS: 1e\\+07 is out of range; mm and degrees go up to 1e\\+06"),
+        ("SET p = TRANS(1)\nWHILE TRUE DO\nSET p = p:p\nEND", "e\\+06 is out of range"),
         ("CALL main", "more than 100 deep"),
         ("x = TIMER(1)", "timer 1 was never started"),
         ("$a = $CHR(200)", "from 0 to 127"),

@@ -47,8 +47,8 @@ def _value(value: Value, number: str) -> str:
         return value
     real = float(value)
     if number == "g":
-        return f"{real:g}"
+        return f"{real:zg}"
     width, _, decimals = number[1:].partition(".")
     if number[0] == "I":
         return f"{round(real):{int(width)}d}"
-    return f"{real:{int(width)}.{int(decimals)}{number[0].lower()}}"
+    return f"{real:z{int(width)}.{int(decimals)}{number[0].lower()}}"
