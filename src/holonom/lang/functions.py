@@ -13,6 +13,7 @@ from holonom.lang import poses
 from holonom.lang.builtin import Builtin, Kind, location, real, text
 from holonom.lang.machine import Array
 from holonom.lang.state import Vm
+from holonom.spatial import inverse
 
 __all__ = ["FEATURES", "FUNCTIONS", "SHIFT", "TRUE", "dest", "here", "signals_are"]
 
@@ -125,13 +126,13 @@ def here(vm: Vm) -> Array:
     """Return the present location in the program's frame: where the arm stands, or was sent when at rest."""
     machine, settings = vm.machine, vm.state.settings
     now = machine.destination() if machine.idle() else machine.pose()
-    return poses.inverse(settings.base) @ now @ settings.tool
+    return inverse(settings.base) @ now @ settings.tool
 
 
 def dest(vm: Vm) -> Array:
     """Return where the last motion ends, as a location (4, 4) of the program."""
     settings = vm.state.settings
-    return poses.inverse(settings.base) @ vm.machine.destination() @ settings.tool
+    return inverse(settings.base) @ vm.machine.destination() @ settings.tool
 
 
 def _distance(_: Vm, a: Array, b: Array) -> float:
@@ -185,7 +186,7 @@ _LOCATIONS = (
     Builtin("RX", _DEGREES, lambda _, a: poses.transformation((0, 0, 0, -90, a, 90)), "turn about x"),
     Builtin("RY", _DEGREES, lambda _, a: poses.transformation((0, 0, 0, 0, a, 0)), "turn about y"),
     Builtin("RZ", _DEGREES, lambda _, a: poses.transformation((0, 0, 0, a, 0, 0)), "turn about z"),
-    Builtin("INVERSE", _PLACE, lambda _, a: poses.inverse(a), "the inverse transformation"),
+    Builtin("INVERSE", _PLACE, lambda _, a: inverse(a), "the inverse transformation"),
     Builtin(
         "FRAME",
         (location("origin"), location("on_x"), location("near_y"), location("at", optional=True)),

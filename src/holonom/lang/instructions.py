@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from holonom.errors import ProgramFault
-from holonom.lang import poses
 from holonom.lang.builtin import Builtin, new_location, real, text
 from holonom.lang.functions import signals_are
 from holonom.lang.motions import MOTIONS
 from holonom.lang.state import Status, Variable, Vm
+from holonom.spatial import inverse
 
 __all__ = ["INSTRUCTIONS", "ending"]
 
@@ -57,7 +57,7 @@ def _locate(vm: Vm, kind: str, place: Variable) -> bool:
     part = vm.machine.locate(kind)
     vm.state.part = part
     if part is not None:
-        place.value = poses.inverse(vm.state.settings.base) @ part.pose
+        place.value = inverse(vm.state.settings.base) @ part.pose
     return True
 
 

@@ -14,6 +14,7 @@ from holonom.lang.builtin import Builtin, location, real, target
 from holonom.lang.functions import dest
 from holonom.lang.machine import Array, Motion
 from holonom.lang.state import Speed, Vm
+from holonom.spatial import inverse
 
 __all__ = ["MOTIONS", "set_speed", "set_tolerance"]
 
@@ -25,7 +26,7 @@ def _send(vm: Vm, kind: _How, place: Array, speed: Speed | None = None) -> bool:
     """Hand a motion to a location (4, 4) or a precision point (n,) to the machine; False: queue full."""
     settings = vm.state.settings
     chosen = speed or settings.next_speed or settings.speed
-    pose = settings.base @ place @ poses.inverse(settings.tool) if place.ndim == 2 else None
+    pose = settings.base @ place @ inverse(settings.tool) if place.ndim == 2 else None
     motion = Motion(
         kind=kind,
         pose=pose,

@@ -14,7 +14,7 @@ import numpy as np
 from holonom.errors import ProgramFault
 from holonom.lang.machine import Array
 
-__all__ = ["angles", "compound", "frame", "inverse", "precision_point", "shift", "transformation"]
+__all__ = ["angles", "compound", "frame", "precision_point", "shift", "transformation"]
 
 _MM = 1e-3
 _FARTHEST = 1e6
@@ -44,14 +44,6 @@ def angles(pose: Array) -> tuple[float, ...]:
     else:
         o, t = math.atan2(-R[0, 1], R[1, 1]), 0.0
     return (*(float(v) / _MM for v in pose[:3, 3]), *map(math.degrees, (o, a, t)))
-
-
-def inverse(pose: Array) -> Array:
-    """Return the inverse of a pose (4, 4)."""
-    result = np.eye(4)
-    result[:3, :3] = pose[:3, :3].T
-    result[:3, 3] = -pose[:3, :3].T @ pose[:3, 3]
-    return result
 
 
 def shift(pose: Array, dx: float, dy: float, dz: float) -> Array:

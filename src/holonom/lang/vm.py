@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import operator
 from collections.abc import Callable
 from typing import Any
 
@@ -11,8 +9,9 @@ import numpy as np
 
 from holonom.errors import MotionError, ProgramFault, RunawayProgram
 from holonom.lang import poses
+from holonom.lang.arithmetic import BINARY, UNARY, finite
 from holonom.lang.formats import render
-from holonom.lang.functions import FUNCTIONS, SHIFT, TRUE, here
+from holonom.lang.functions import FUNCTIONS, SHIFT, here
 from holonom.lang.instructions import INSTRUCTIONS, ending
 from holonom.lang.machine import Machine
 from holonom.lang.motions import set_speed, set_tolerance
@@ -23,7 +22,6 @@ __all__ = ["proceed", "start", "step"]
 
 _DEEPEST_CALL = 100
 _LONGEST_STRING = 1024
-_BITS = 2**31
 
 
 def start(program: Program, *, entry: str | None = None, rng: np.random.Generator | None = None) -> VmState:
@@ -239,13 +237,13 @@ def _wait(vm: Vm, start_of_condition: int) -> bool:
 
 def _unary(vm: Vm, name: str) -> None:
     stack = vm.state.stack
-    stack.append(_UNARY[name](stack.pop()))
+    stack.append(UNARY[name](stack.pop()))
 
 
 def _binary(vm: Vm, name: str) -> None:
     stack = vm.state.stack
     right = stack.pop()
-    stack.append(_finite(_BINARY[name](stack.pop(), right)))
+    stack.append(finite(BINARY[name](stack.pop(), right)))
 
 
 def _compound(vm: Vm, _: None) -> None:
@@ -255,13 +253,7 @@ def _compound(vm: Vm, _: None) -> None:
 
 def _function(vm: Vm, operand: tuple[str, int]) -> None:
     name, count = operand
-    vm.state.stack.append(_finite(FUNCTIONS[name].run(vm, *_popped(vm, count))))
-
-
-def _finite(value: Value) -> Value:
-    if isinstance(value, float) and not math.isfinite(value):
-        raise ProgramFault("the result is too large for a number")
-    return value
+    vm.state.stack.append(finite(FUNCTIONS[name].run(vm, *_popped(vm, count))))
 
 
 def _action(vm: Vm, operand: tuple[str, int]) -> bool:
@@ -346,66 +338,6 @@ def _return(vm: Vm, _: None) -> bool:
         return False
     return not ending(vm, Status.HALTED) and _again(vm)
 
-
-def _divide(a: float, b: float) -> float:
-    if b == 0.0:
-        raise ProgramFault(f"division by zero: {a:g} / 0")
-    return a / b
-
-
-def _modulo(a: float, b: float) -> float:
-    if b == 0.0:
-        raise ProgramFault(f"division by zero: {a:g} MOD 0")
-    return math.fmod(a, b)
-
-
-def _power(a: float, b: float) -> float:
-    try:
-        return math.pow(a, b)
-    except (ValueError, OverflowError):
-        raise ProgramFault(f"{a:g} ^ {b:g} is no number") from None
-
-
-def _bits(a: float) -> int:
-    if not (a.is_integer() and -_BITS <= a < 2 * _BITS):
-        raise ProgramFault(f"bits of {a:g}; bit operators take whole numbers of 32 bits")
-    return int(a)
-
-
-def _on_bits(apply: Callable[[int, int], int]) -> Callable[[float, float], float]:
-    return lambda a, b: float(apply(_bits(a), _bits(b)))
-
-
-def _test(compare: Callable[[Any, Any], bool]) -> Callable[[Any, Any], float]:
-    return lambda a, b: TRUE if compare(a, b) else 0.0
-
-
-_UNARY: dict[str, Callable[[Any], Value]] = {
-    "MINUS": operator.neg,
-    "NOT": lambda a: TRUE if a == 0.0 else 0.0,
-    "COM": lambda a: float(~_bits(a)),
-}
-
-_BINARY: dict[str, Callable[[Any, Any], Value]] = {
-    "PLUS": operator.add,
-    "MINUS": operator.sub,
-    "STAR": operator.mul,
-    "SLASH": _divide,
-    "MOD": _modulo,
-    "POWER": _power,
-    "AND": _test(lambda a, b: a != 0.0 and b != 0.0),
-    "OR": _test(lambda a, b: a != 0.0 or b != 0.0),
-    "XOR": _test(lambda a, b: (a != 0.0) != (b != 0.0)),
-    "BAND": _on_bits(operator.and_),
-    "BOR": _on_bits(operator.or_),
-    "BXOR": _on_bits(operator.xor),
-    "EQ": _test(operator.eq),
-    "NE": _test(operator.ne),
-    "LT": _test(operator.lt),
-    "LE": _test(operator.le),
-    "GT": _test(operator.gt),
-    "GE": _test(operator.ge),
-}
 
 _OPERATIONS: dict[str, Callable[[Vm, Any], bool | None]] = {
     "CONST": _const,
