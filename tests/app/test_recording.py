@@ -100,9 +100,7 @@ def test_peer_decodes_motors_signals_and_log(run):
 def test_peer_decodes_frames_and_tool(run):
     given, path = run
     topics = decoded(path)
-    for record, (_, message), (_, tool) in zip(
-        of(given, FramePoses), topics["/tf"], topics["/tool_pose"], strict=True
-    ):
+    for record, (_, message), (_, tool) in zip(of(given, FramePoses), topics["/tf"], topics["/tool_pose"], strict=True):
         assert tuple(t.child_frame_id for t in message.transforms) == FRAMES
         assert {t.header.frame_id for t in message.transforms} == {"world"}
         for i, transform in enumerate(message.transforms):

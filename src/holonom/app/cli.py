@@ -78,7 +78,8 @@ def _check(options: argparse.Namespace) -> Answer:
 def _bench(options: argparse.Namespace) -> Answer:
     from holonom.app.bench import run_benchmarks
 
-    return run_benchmarks(options.names, output=options.output, seed=options.seed, quiet=options.quiet or options.json)
+    quiet = options.quiet or options.json
+    return run_benchmarks(options.names, output=options.output, seed=options.seed, small=options.small, quiet=quiet)
 
 
 def _doctor(options: argparse.Namespace) -> Answer:
@@ -130,6 +131,7 @@ def _add_bench(commands: Commands[argparse.ArgumentParser]) -> None:
     bench = commands.add_parser("bench", help="measure speed beside the peer libraries")
     bench.add_argument("names", metavar="NAME", nargs="*", help="benchmarks to run, all unless given")
     _add_output(bench, "the table goes here as JSON too")
+    bench.add_argument("--small", action="store_true", help="only show that everything runs")
     bench.add_argument("--seed", type=_seed, metavar="N", default=0, help="seed of the random inputs, 0 unless given")
     _add_quiet(bench)
     _add_json(bench)

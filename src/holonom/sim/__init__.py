@@ -5,11 +5,12 @@
 `World`                table, tray, parts and the gripper
 `SimulatedMachine`     all of it behind `lang.Machine`
 `DryMachine`           the same without dynamics, for off-line checks
+`branch_joints`        where a motion to a tool pose ends
 =====================  ===========================================================
 """
 
 from holonom.sim.dry import DryMachine, Problem
-from holonom.sim.machine import PROGRAM_TICK, LineSettings, SimulatedMachine
+from holonom.sim.machine import PROGRAM_TICK, LineSettings, SimulatedMachine, branch_joints
 from holonom.sim.plant import CONTROLLERS, ControlSettings, Ground, Plant
 from holonom.sim.world import Disc, Gripper, Surface, World
 
@@ -27,4 +28,5 @@ __all__ = [
     "SimulatedMachine",
     "Surface",
     "World",
+    "branch_joints",
 ]

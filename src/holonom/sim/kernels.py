@@ -46,8 +46,7 @@ Floats = NDArray[np.float64]
 Records = NDArray[np.void]
 
 
-@intrinsic
-def call_kernel(context: Any, address: Any, source: Any, target: Any) -> Any:
+def _call_kernel(context: Any, address: Any, source: Any, target: Any) -> Any:
     """Call `void(double*, double*)` at `address` on the data of two arrays."""
 
     def generate(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
@@ -58,6 +57,9 @@ def call_kernel(context: Any, address: Any, source: Any, target: Any) -> Any:
         return ctx.get_dummy_value()
 
     return types.void(types.int64, source, target), generate
+
+
+call_kernel: Any = intrinsic(_call_kernel)
 
 
 @njit(cache=True, error_model="numpy")
@@ -122,7 +124,7 @@ def advance(
             source[i] = states[i].position
             source[n + i] = states[i].speed
             source[2 * n + i] = states[i].torque
-        call_kernel(plant, source, target)  # type: ignore[call-arg]
+        call_kernel(plant, source, target)
         touch = max(touch, target[n])
         for i in range(n):
             _move(states[i], target[i], dt)
@@ -181,7 +183,7 @@ def _model_law(model: int, axes: Records, states: Records, reference: Floats, la
             state.saturated,
         )
         source[i], source[n + i], source[2 * n + i] = position, reference[1, i], u
-    call_kernel(model, source, target)  # type: ignore[call-arg]
+    call_kernel(model, source, target)
     for i in range(n):
         axis, state = axes[i], states[i]
         per_ampere = axis.gear.ratio * axis.torque_constant

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.errors import DriveFault, MotionError
+from holonom.errors import DriveFault, InputError, MotionError
 from holonom.mechanics import Arm, IkStatus
 from holonom.mechanics.motion import Trajectory, plan_joint, plan_line, splice, stop
 from holonom.signals import DriveState, Event, FramePoses, JointCommand, JointState, Signal, Sink
@@ -109,23 +109,33 @@ def plan(arm: Arm, q0: Array, motion: MotionRequest, settings: LineSettings) -> 
 
     Raises
     ------
-    MotionError, OutOfLimits
+    MotionError
         The motion cannot be made.
     """
-    if motion.kind == "line":
-        assert motion.pose is not None
-        speed = motion.speed_mps if motion.speed_mps is not None else motion.speed * settings.speed
-        return plan_line(
-            arm,
-            q0,
-            motion.pose,
-            speed=speed,
-            rotation_speed=settings.rotation_speed * min(1.0, max(motion.speed, speed / settings.speed)),
-            acceleration=motion.acceleration * settings.acceleration,
-            rotation_acceleration=motion.acceleration * settings.rotation_acceleration,
-            dt=TICK,
-            line=motion.line,
-        )
+    try:
+        return _plan_line(arm, q0, motion, settings) if motion.kind == "line" else _plan_joint(arm, q0, motion)
+    except InputError as problem:  # a program asked for it, after the start
+        raise MotionError(str(problem)) from problem
+
+
+def _plan_line(arm: Arm, q0: Array, motion: MotionRequest, settings: LineSettings) -> Trajectory:
+    """A straight line; an absolute speed above the nominal one turns the tool no faster than the settings allow."""
+    target = motion.pose if motion.pose is not None else arm.fk(motion.joints)
+    speed = motion.speed_mps if motion.speed_mps is not None else motion.speed * settings.speed
+    return plan_line(
+        arm,
+        q0,
+        target,
+        speed=speed,
+        rotation_speed=settings.rotation_speed * min(1.0, max(motion.speed, speed / settings.speed)),
+        acceleration=motion.acceleration * settings.acceleration,
+        rotation_acceleration=motion.acceleration * settings.rotation_acceleration,
+        dt=TICK,
+        line=motion.line,
+    )
+
+
+def _plan_joint(arm: Arm, q0: Array, motion: MotionRequest) -> Trajectory:
     q1 = motion.joints
     if q1 is None:
         assert motion.pose is not None

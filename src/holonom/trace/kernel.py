@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from holonom.errors import ShapeError
 from holonom.trace.cache import load_module
-from holonom.trace.emit import LANES, Field, emit_block, emit_pointer, emit_single, straight_line
+from holonom.trace.emit import LANES, Field, emit_block, emit_pointer, emit_single, operand, straight_line
 from holonom.trace.graph import Graph, Scalar
 
 __all__ = ["Kernel", "compile"]
@@ -79,10 +79,11 @@ class Kernel:
     ) -> None:
         self.name, self.inputs, self.outputs = name, inputs, outputs
         self._body = straight_line(graph, [s for values in results.values() for s in values])
-        self._results = {key: [f"t{s.i}" for s in values] for key, values in results.items()}
+        self._results = {key: [operand(graph, s.i) for s in values] for key, values in results.items()}
         self._allocate = [(f.shape, np.dtype(np.int8 if f.integer else np.float64)) for f in outputs]
         plain = len(outputs) == 1 and not outputs[0].integer
         self._only_shape = outputs[0].shape if plain else None
+        self._first_ndim = len(inputs[0].shape)
 
     @property
     def operations(self) -> int:
@@ -138,18 +139,18 @@ class Kernel:
         ShapeError
             Wrong shape or type, NaN or infinity: the message names the input and the row.
         """
-        if self._only_shape is not None:  # one output, the common case: no tuple is made
-            result = np.empty(self._only_shape) if out is None else out
-            try:
+        # Rows would make the one-sample form raise its TypeError, which costs more than a thousand samples.
+        if getattr(arrays[0] if arrays else None, "ndim", 0) != self._first_ndim:
+            return self._general(arrays, out, threads)
+        try:
+            if self._only_shape is not None:  # one output, the common case: no tuple is made
+                result = np.empty(self._only_shape) if out is None else out
                 if self.single(*arrays, result) == 0:
                     return result
-            except TypeError:
-                pass
-            return self._general(arrays, out, threads)
-        results = tuple(np.empty(shape, dtype) for shape, dtype in self._allocate) if out is None else tuple(out)
-        try:
-            if self.single(*arrays, *results) == 0:
-                return results
+            else:
+                results = tuple(np.empty(s, d) for s, d in self._allocate) if out is None else tuple(out)
+                if self.single(*arrays, *results) == 0:
+                    return results
         except TypeError:
             pass
         return self._general(arrays, out, threads)
@@ -194,9 +195,9 @@ class Kernel:
         count = int(np.prod(lead, dtype=np.int64))
         rows = []
         for f, a in zip(self.inputs, given, strict=True):
-            whole = np.broadcast_to(a, (*lead, *f.shape)).reshape(count, f.width)
-            writable = np.ascontiguousarray(whole)
-            rows.append(writable if writable.flags.writeable else writable.copy())
+            whole = a if a.shape == (*lead, *f.shape) else np.broadcast_to(a, (*lead, *f.shape))
+            table = np.ascontiguousarray(whole.reshape(count, f.width))
+            rows.append(table if table.flags.writeable else table.copy())
         return rows, lead
 
     def _check_out(self, results: Sequence[Any], lead: tuple[int, ...]) -> None:
