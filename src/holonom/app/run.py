@@ -13,21 +13,21 @@ from typing import Any
 import numpy as np
 
 from holonom.app.answer import Answer
-from holonom.app.assembly import build_arm, build_plant, build_scene, build_world, field_of, line_settings, overlay
-from holonom.app.camera import Seen, look
-from holonom.app.cell import load_cell
+from holonom.app.assembly import build_plant, build_scene, build_world, field_of, line_settings, overlay
+from holonom.app.camera import Seen
 from holonom.app.cell_model import Cell
+from holonom.app.job import load_job
 from holonom.app.output import prepare_output
 from holonom.app.recording import Recorder, read_recording
 from holonom.app.report import LimitUse, Outcome, write_report
 from holonom.app.tracking import compare_tracking, tracking_table
-from holonom.errors import DriveFault, MotionError, ProgramFault, RunError
-from holonom.lang import Program, Status, compile_program, read_locations, start, step
+from holonom.errors import DriveFault, MotionError, ProgramError, ProgramFault, RunError
+from holonom.lang import Program, Status, start, step
 from holonom.mechanics import Arm
 from holonom.model import preset
 from holonom.sim import SimulatedMachine, World
 
-__all__ = ["load_cell_program", "run_cell"]
+__all__ = ["run_cell"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,18 +64,18 @@ def run_cell(path: Path, output: Path, *, seed: int | None = None, quiet: bool =
     RunError
         After the start; recording, summary and report up to that moment are kept.
     """
-    cell = load_cell(path)
+    job = load_job(path)
+    if job.unreachable:
+        raise ProgramError("\n".join(job.unreachable))
+    cell, program, seen = job.cell, job.program, job.seen
     if seed is not None:
         cell = cell.model_copy(update={"cell": cell.cell.model_copy(update={"seed": seed})})
-    seen = look(cell, path) if cell.camera is not None else None
-    program = load_cell_program(cell)
-    arm = build_arm(cell)
     folder = prepare_output(output)
     runs: list[Run] = []
     for controller in cell.arm.controllers:
         last = controller == cell.arm.controllers[-1]
         name = "recording.mcap" if last else f"recording_{controller}.mcap"
-        runs.append(_run(cell, program, arm, seen, controller, folder / name, quiet=quiet))
+        runs.append(_run(cell, program, job.arm, seen, controller, folder / name, quiet=quiet))
         if runs[-1].failure is not None:
             break
     summary = _summary(cell, runs)
@@ -85,22 +85,6 @@ def run_cell(path: Path, output: Path, *, seed: int | None = None, quiet: bool =
     if failure is not None:
         raise type(failure)(f"{failure}\n  what was recorded until then is in {folder}") from failure
     return Answer(_text(summary, folder), summary)
-
-
-def load_cell_program(cell: Cell) -> Program:
-    """Compile the cell's program with its locations.
-
-    Raises
-    ------
-    ProgramError
-        With file, line and column of all that is wrong.
-    """
-    text = cell.program.file.read_text(encoding="utf-8", errors="replace")
-    places = cell.program.locations
-    if places is None and cell.program.file.with_suffix(".loc").is_file():
-        places = cell.program.file.with_suffix(".loc")
-    locations = read_locations(places.read_text(encoding="utf-8", errors="replace"), str(places)) if places else {}
-    return compile_program(text, str(cell.program.file), locations)
 
 
 def _run(cell: Cell, program: Program, arm: Arm, seen: Seen | None, controller: str, path: Path, *, quiet: bool) -> Run:

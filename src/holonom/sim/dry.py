@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.errors import MotionError, OutOfLimits
+from holonom.errors import MotionError
 from holonom.mechanics import Arm
 from holonom.sim.machine import PROGRAM_TICK, LineSettings, MotionRequest, plan
 
@@ -27,7 +27,7 @@ class Problem:
 
 
 class DryMachine:
-    """Every motion is planned exactly as the simulation would, then taken as done.
+    """Every motion is planned exactly as the simulation would, then taken as done; one in a tick.
 
     `problems` collects what could not be planned; the arm then stays where it was. `moved` counts motions, `time`
     adds up their durations (from rest to rest: an upper estimate of the cycle time).
@@ -49,15 +49,19 @@ class DryMachine:
         self.said: list[str] = []
         self._q, self._ready, self._look, self._hand_time = q.copy(), ready, look, hand_time
         self._clock = 0.0
+        self._busy = False
         self._parts: list[Any] = []
         self._signals: dict[int, bool] = {}
 
     def move(self, motion: MotionRequest) -> bool:
-        """Plan a motion and take it as made."""
+        """Plan a motion and take it as made; False until the next tick after one was taken."""
+        if self._busy:
+            return False
+        self._busy = True
         self.moved += 1
         try:
             trajectory = plan(self.arm, self._q, motion, self.line)
-        except (MotionError, OutOfLimits) as problem:
+        except MotionError as problem:
             self.problems.append(Problem(motion.line, str(problem)))
             return True
         self._q = trajectory.q[-1].copy()
@@ -65,8 +69,10 @@ class DryMachine:
         return True
 
     def tick(self) -> None:
-        """Let a program tick pass."""
-        self._clock += PROGRAM_TICK
+        """Let a program tick pass, as part of the motion where one was taken."""
+        if not self._busy:
+            self._clock += PROGRAM_TICK
+        self._busy = False
 
     def idle(self) -> bool:
         """Motions end at once."""

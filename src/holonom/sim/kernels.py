@@ -125,7 +125,7 @@ def advance(
             source[n + i] = states[i].speed
             source[2 * n + i] = states[i].torque
         call_kernel(plant, source, target)
-        touch = max(touch, target[n])
+        touch = max(touch, float(target[n]))
         for i in range(n):
             _move(states[i], target[i], dt)
     return 0, 0, 0, touch

@@ -120,7 +120,10 @@ def plan(arm: Arm, q0: Array, motion: MotionRequest, settings: LineSettings) -> 
 
 def _plan_line(arm: Arm, q0: Array, motion: MotionRequest, settings: LineSettings) -> Trajectory:
     """A straight line; an absolute speed above the nominal one turns the tool no faster than the settings allow."""
-    target = motion.pose if motion.pose is not None else arm.fk(motion.joints)
+    target = motion.pose
+    if target is None:
+        assert motion.joints is not None
+        target = arm.fk(motion.joints)
     speed = motion.speed_mps if motion.speed_mps is not None else motion.speed * settings.speed
     return plan_line(
         arm,

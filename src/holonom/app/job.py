@@ -1,0 +1,53 @@
+"""What a run needs and a check looks at: a cell with its program, the parts in its photograph and its arm."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from holonom.app.assembly import build_arm
+from holonom.app.camera import Seen, look
+from holonom.app.cell import load_cell
+from holonom.app.cell_model import Cell
+from holonom.app.taught import taught_problems
+from holonom.errors import CellError, ProgramFault
+from holonom.lang import Program, load_program, start
+from holonom.mechanics import Arm
+
+__all__ = ["Job", "load_job"]
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """A cell, read and looked at. `unreachable`: taught locations that the arm cannot go to, a line of text each."""
+
+    cell: Cell
+    program: Program
+    seen: Seen | None
+    arm: Arm
+    unreachable: tuple[str, ...]
+
+
+def load_job(path: Path) -> Job:
+    """Read a cell with all that it names. Nothing is written.
+
+    Raises
+    ------
+    CellError
+        The cell file, its calibration points or its entry.
+    ImageError
+        The photograph is missing or not an image.
+    ProgramError
+        The program or its location file.
+    """
+    cell = load_cell(path)
+    seen = look(cell, path) if cell.camera is not None else None
+    file = cell.program.file
+    places = cell.program.locations or file.with_suffix(".loc")
+    program = load_program(file, cell.program.locations)
+    try:
+        start(program, entry=cell.program.entry)
+    except ProgramFault as fault:
+        raise CellError(f"{path}: program.entry: {fault}") from None
+    arm = build_arm(cell)
+    return Job(cell, program, seen, arm, tuple(taught_problems(arm, cell.arm.home, program, places)))
