@@ -116,13 +116,13 @@ def test_straight_lines_draws_a_square_and_a_circle_twice() -> None:
     signals = [(e[1], e[2]) for e in machine.log if e[0] == "signal"]
     assert signals == [(n, on) for n in (1, 2, 3, 4) for on in (True, False)]
     lines = [m for m in machine.motions if m.kind == "line"]
-    assert [m.speed_mps for m in lines] == [0.1] * 40 + [0.4] * 40
+    assert [m.speed_mps for m in lines] == [0.1] * 28 + [0.25] * 28
     ends = np.array([m.pose[:3, 3] for m in lines])
     start = machine.motions[1].pose[:3, 3]
     sides = np.linalg.norm(np.diff(ends[:4], axis=0, prepend=start[None]), axis=1)
     assert sides == pytest.approx([0.2] * 4)
     assert ends[3] == pytest.approx(start)
     centre = ends[:4].mean(0)
-    assert np.linalg.norm(ends[4:40] - centre, axis=1) == pytest.approx([0.1] * 36)
-    assert np.linalg.norm(np.diff(ends[4:40], axis=0), axis=1) == pytest.approx([0.2 * np.sin(np.pi / 36)] * 35)
+    assert np.linalg.norm(ends[4:28] - centre, axis=1) == pytest.approx([0.1] * 24)
+    assert np.linalg.norm(np.diff(ends[4:28], axis=0), axis=1) == pytest.approx([0.2 * np.sin(np.pi / 24)] * 23)
     assert all(m.blend for m in lines)

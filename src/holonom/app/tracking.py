@@ -1,4 +1,7 @@
-"""How well runs of one program kept to their path: phases are the times during which a signal was on."""
+"""How well runs of one program kept to their path: phases are the times during which a signal was on.
+
+A phase is called what the program typed in the tick in which its signal went on.
+"""
 
 from __future__ import annotations
 
@@ -26,13 +29,15 @@ def _compared(name: str, recording: Recording, arm: Arm) -> ComparedRun:
 
 def _phases(recording: Recording) -> tuple[Phase, ...]:
     """One phase per time a signal was on, in the order of their beginnings; the whole run if there was none."""
+    typed = {event.time: event.text for event in recording.events if (event.source, event.level) == ("program", "info")}
     began: dict[int, float] = {}
     found = []
     for signal in recording.signals:
         if signal.on:
             began[signal.number] = signal.time
         elif signal.number in began:
-            found.append(Phase(f"signal {signal.number}", began.pop(signal.number), signal.time))
+            start = began.pop(signal.number)
+            found.append(Phase(typed.get(start, f"signal {signal.number}"), start, signal.time))
     found.sort(key=lambda phase: phase.start)
     return tuple(found) or (Phase("whole run", 0.0, recording.end()),)
 
