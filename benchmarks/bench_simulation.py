@@ -28,12 +28,7 @@ def _against_real_time(controller: str, setting: Setting) -> Figure:
     q0, q1 = np.array([0.0, 0.7, -2.8, 0.0, 0.5, 0.0]), np.array([0.8, 0.3, -2.2, 0.6, 0.9, -0.8])
     there = plan_joint(q0, q1, arm.limits, speed=0.8, acceleration=0.8)
     back = plan_joint(q1, q0, arm.limits, speed=0.8, acceleration=0.8)
-    samples = np.stack(
-        [
-            np.concatenate([a, b])
-            for a, b in zip((there.q, there.qd, there.qdd), (back.q, back.qd, back.qdd), strict=True)
-        ]
-    )
+    samples = np.concatenate([np.stack([t.q, t.qd, t.qdd]) for t in (there, back)], axis=1)
     ticks = [np.ascontiguousarray(samples[:, k : k + 10]) for k in range(0, samples.shape[1] - 9, 10)]
     plant = Plant(arm, q0, ControlSettings(controller))
 

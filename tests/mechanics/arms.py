@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from holonom.mechanics import Arm, load_arm
-from holonom.model import ArmModel, Body, DHRow, JointLimits, arm_model_from_dh, constant_transform, preset_names
+from holonom.model import ArmModel, Body, DHRow, JointLimits, Mimic, arm_model_from_dh, constant_transform, preset_names
 
 
 def random_pose(rng: np.random.Generator) -> np.ndarray:
@@ -53,6 +53,17 @@ def random_model(seed: int, n: int) -> ArmModel:
         tool=constant_transform(random_pose(rng)),
         gravity=tuple(rng.uniform(-10, 10, 3).tolist()),
     )
+
+
+def random_tree(seed: int, n: int) -> ArmModel:
+    """A random chain regrown into branches, one of its joints following another, the tool on a branch."""
+    import dataclasses
+
+    rng = np.random.default_rng(seed)
+    chain = random_model(seed, n)
+    joints = [dataclasses.replace(joint, parent=int(rng.integers(-1, i))) for i, joint in enumerate(chain.joints)]
+    joints[-2] = dataclasses.replace(joints[-2], mimic=Mimic(0, -0.7, 0.3))
+    return dataclasses.replace(chain, name=f"tree{seed}", joints=tuple(joints), tip=n - 2)
 
 
 def presets() -> list[Arm]:

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from arms import presets, random_model
+from arms import presets, random_model, random_tree
 
 from holonom.errors import InputError, MissingInertia, ShapeError, UnknownName
 from holonom.mechanics import Arm, arm_from_dh, load_arm
@@ -15,12 +15,13 @@ from holonom.mechanics.kernels import bodies_of
 from holonom.model import Body, DHRow
 
 MODELS = [arm.model for arm in presets()] + [random_model(seed, n) for seed, n in ((1, 2), (2, 4), (3, 6), (4, 7))]
+MODELS += [random_tree(seed, n) for seed, n in ((5, 4), (6, 7))]
 NAMES = [m.name for m in MODELS]
 
 
 def motion(model, seed=0):
     rng = np.random.default_rng(seed)
-    n = len(model.joints)
+    n = len(model.independent)
     return [rng.uniform(-1.5, 1.5, n).tolist() for _ in range(3)]
 
 
@@ -47,7 +48,8 @@ def energies(model, q, qd):
         kinetic += 0.5 * body.mass * v @ v + 0.5 * w @ inertia @ w
         potential -= body.mass * np.array(model.gravity) @ (p + R @ c)
     rotor = np.array(newton_euler.reflected_inertia(model))
-    return kinetic + 0.5 * rotor @ np.square(qd), potential
+    rates = np.array(kinematics.spread(model, qd.tolist(), rates=True), dtype=float)
+    return kinetic + 0.5 * rotor @ np.square(rates), potential
 
 
 @pytest.mark.parametrize("model", MODELS, ids=NAMES)
@@ -98,7 +100,7 @@ def test_forward_after_inverse_is_identity_and_power_balances(model):
 
 @pytest.mark.parametrize("model", MODELS, ids=NAMES)
 def test_a_wrench_adds_jacobian_transpose(model):
-    bodies, n = bodies_of(model), len(model.joints)
+    bodies, n = bodies_of(model), len(model.independent)
     q, qd, qdd = motion(model, 3)
     wrench = np.array([1.0, -2.0, 3.0, 0.4, -0.5, 0.6])
     with_it = newton_euler.inverse_dynamics(model, bodies, q, qd, qdd, wrench_tool=wrench.tolist())
@@ -115,7 +117,7 @@ def test_a_wrench_in_the_world_is_turned_into_the_tool():
     np.testing.assert_allclose(added, arm.jacobian(q).T @ wrench, atol=1e-10)
 
 
-COMPILED = [arm.model for arm in presets()] + [random_model(1, 2)]
+COMPILED = [arm.model for arm in presets()] + [random_model(1, 2), random_tree(5, 4)]
 
 
 @pytest.mark.parametrize("model", COMPILED, ids=[m.name for m in COMPILED])

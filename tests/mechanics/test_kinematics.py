@@ -4,13 +4,13 @@ import json
 
 import numpy as np
 import pytest
-from arms import presets, random_model
+from arms import presets, random_model, random_tree
 
 from holonom.errors import NotAPose, ShapeError, UnknownName
 from holonom.mechanics import Arm, IkStatus, arm_from_dh, load_arm
 from holonom.model import DHRow
 
-ARMS = presets() + [Arm(random_model(11, 3))]
+ARMS = [*presets(), Arm(random_model(11, 3)), Arm(random_tree(5, 4))]
 NAMES = [a.model.name for a in ARMS]
 
 

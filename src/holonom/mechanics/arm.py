@@ -80,10 +80,9 @@ class Arm:
 
     def __init__(self, model: ArmModel) -> None:
         self.model = model
-        self.n = len(model.joints)
+        self.n = len(model.independent)
         self._kernels: dict[object, Kernel] = {}
         self._has_friction = any(j.friction is not None for j in model.joints)
-        self._frame_numbers = {"base": 0, "tool": self.n + 1} | {f"link{k + 1}": k + 1 for k in range(self.n)}
 
     def __repr__(self) -> str:
         return f"Arm({self.model.name!r}, n={self.n})"
@@ -91,9 +90,10 @@ class Arm:
     @property
     def limits(self) -> Limits:
         """Joint limits as arrays."""
-        bounds = [j.limits for j in self.model.joints]
+        moving = [self.model.joints[i] for i in self.model.independent]
+        bounds = [j.limits for j in moving]
         rows = [(b.lower, b.upper, b.speed, b.acceleration, b.torque) for b in bounds]
-        return Limits(tuple(j.name for j in self.model.joints), *np.array(rows, dtype=float).T.copy())
+        return Limits(tuple(j.name for j in moving), *np.array(rows, dtype=float).T.copy())
 
     def with_tool(self, tool: ArrayLike) -> Arm:
         """Return the arm with another tool pose T_nt (4, 4)."""
@@ -133,13 +133,13 @@ class Arm:
     def kernel(self, name: str, **options: Any) -> Kernel:
         """Return a compiled equation: "fk", "frames", "jacobian", "inverse_dynamics", "forward_dynamics", ....
 
-        Options are those of the verb: `frame=` (a frame number for "fk"), `friction=`, `wrench_frame=`. The
+        Options are those of the verb: `frame=`, `friction=`, `wrench_frame=`. The
         fastest call is `kernel.single(q, ..., out)`: see `holonom.trace.Kernel`.
         """
         if name in ("inverse_dynamics", "forward_dynamics"):
             options = {"friction": self._has_friction, "wrench_frame": None} | options
         elif name == "fk":
-            options = {"frame": self.n + 1} | options
+            options = {"frame": "tool"} | options
         elif name == "jacobian":
             options = {"frame": "world"} | options
         key = (name, *sorted(options.items()))
@@ -153,7 +153,7 @@ class Arm:
         Parameters
         ----------
         q : (..., n) rad or m.
-        frame : "tool", "base" or "link1" .. "link{n}".
+        frame : "tool", "base", "link1" .. "link{n}" or a frame that the model names.
 
         Returns
         -------
@@ -161,9 +161,7 @@ class Arm:
         """
         kernel = self._kernels.get(("fk", frame))
         if kernel is None:
-            if frame not in self._frame_numbers:
-                raise UnknownName("frame", frame, self._frame_numbers)
-            kernel = self._kernels["fk", frame] = self.kernel("fk", frame=self._frame_numbers[frame])
+            kernel = self._kernels["fk", frame] = self.kernel("fk", frame=frame)
         result: Array = kernel(q, out=out, threads=threads)
         return result
 
@@ -178,7 +176,7 @@ class Arm:
         Parameters
         ----------
         q : (..., n).
-        frame : "world" or "tool", the frame in which v and w are expressed.
+        frame : "world", "base" or "tool", the frame in which v and w are expressed.
 
         Returns
         -------
@@ -186,8 +184,8 @@ class Arm:
         """
         kernel = self._kernels.get(("jacobian", frame))
         if kernel is None:
-            if frame not in ("world", "tool"):
-                raise UnknownName("Jacobian frame", frame, ("world", "tool"))
+            if frame not in ("world", "base", "tool"):
+                raise UnknownName("Jacobian frame", frame, ("world", "base", "tool"))
             kernel = self._kernels["jacobian", frame] = self.kernel("jacobian", frame=frame)
         result: Array = kernel(q, out=out, threads=threads)
         return result

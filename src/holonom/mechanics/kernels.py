@@ -18,7 +18,7 @@ from holonom.mechanics.equations.vectors import Pose, Vector, compose, scale, tr
 from holonom.model import ArmModel
 from holonom.trace import Kernel, Number, compile
 
-__all__ = ["KERNELS", "bodies_of", "make_kernel"]
+__all__ = ["KERNELS", "bodies_of", "frame_of", "make_kernel"]
 
 Options = Mapping[str, Any]
 
@@ -39,6 +39,22 @@ def bodies_of(model: ArmModel) -> list[Inertial]:
     return [from_body(body) for body in model.bodies]
 
 
+def frame_of(model: ArmModel, name: str) -> tuple[int | None, Pose | None]:
+    """The joint that carries a named frame (-1: base, None: the tool's) and the frame's pose in the joint's frame.
+
+    Raises
+    ------
+    UnknownName
+        No such frame; lists them.
+    """
+    known: dict[str, tuple[int | None, Pose | None]] = {"tool": (None, None), "base": (-1, None)}
+    known |= {f"link{k + 1}": (k, None) for k in range(len(model.joints))}
+    known |= {frame.name: (frame.joint, kinematics.split(frame.pose)) for frame in model.frames}
+    if name not in known:
+        raise UnknownName("frame", name, known)
+    return known[name]
+
+
 def _inverted(T: Pose) -> Pose:
     R, p = T
     return transpose(R), scale(-1.0, tvec(R, p))
@@ -56,26 +72,28 @@ def _wrench_in_tool(model: ArmModel, q: Vector, wrench: Vector, frame: str) -> l
 
 
 def _fk(model: ArmModel, options: Options) -> Kernel:
-    frame = options["frame"]
+    name = options["frame"]
+    joint, offset = frame_of(model, name)
     return compile(
-        lambda q: kinematics.pose(model, q, frame),
-        {"q": len(model.joints)},
+        lambda q: kinematics.pose(model, q, joint, offset),
+        {"q": len(model.independent)},
         {"T": (4, 4)},
-        name=f"{model.name}_fk{frame}",
+        name=f"{model.name}_fk_{name}",
     )
 
 
 def _all_frames(model: ArmModel, options: Options) -> Kernel:
-    n = len(model.joints)
+    n = len(model.independent)
 
     def equation(q: Vector) -> list[Number]:
         return [v for T in kinematics.frames(model, q) for v in kinematics.flat_pose(T)]
 
-    return compile(equation, {"q": n}, {"T": (n + 2, 4, 4)}, name=f"{model.name}_frames")
+    count = len(model.joints) + 2
+    return compile(equation, {"q": n}, {"T": (count, 4, 4)}, name=f"{model.name}_frames")
 
 
 def _jacobian(model: ArmModel, options: Options) -> Kernel:
-    n, frame = len(model.joints), options["frame"]
+    n, frame = len(model.independent), options["frame"]
     return compile(
         lambda q: kinematics.jacobian(model, q, frame),
         {"q": n},
@@ -85,7 +103,7 @@ def _jacobian(model: ArmModel, options: Options) -> Kernel:
 
 
 def _inverse_dynamics(model: ArmModel, options: Options) -> Kernel:
-    n, bodies = len(model.joints), bodies_of(model)
+    n, bodies = len(model.independent), bodies_of(model)
     friction, frame = options["friction"], options["wrench_frame"]
     inputs = {"q": n, "qd": n, "qdd": n} | ({"wrench": 6} if frame else {})
 
@@ -97,7 +115,7 @@ def _inverse_dynamics(model: ArmModel, options: Options) -> Kernel:
 
 
 def _forward_dynamics(model: ArmModel, options: Options) -> Kernel:
-    n, bodies = len(model.joints), bodies_of(model)
+    n, bodies = len(model.independent), bodies_of(model)
     friction, frame = options["friction"], options["wrench_frame"]
     inputs = {"q": n, "qd": n, "tau": n} | ({"wrench": 6} if frame else {})
 
@@ -109,7 +127,7 @@ def _forward_dynamics(model: ArmModel, options: Options) -> Kernel:
 
 
 def _mass_matrix(model: ArmModel, options: Options) -> Kernel:
-    n, bodies = len(model.joints), bodies_of(model)
+    n, bodies = len(model.independent), bodies_of(model)
 
     def equation(q: Vector) -> list[Number]:
         return [v for row in composite_body.mass_matrix(model, bodies, q) for v in row]
@@ -118,7 +136,7 @@ def _mass_matrix(model: ArmModel, options: Options) -> Kernel:
 
 
 def _gravity(model: ArmModel, options: Options) -> Kernel:
-    n, bodies = len(model.joints), bodies_of(model)
+    n, bodies = len(model.independent), bodies_of(model)
     rest = [0.0] * n
     return compile(
         lambda q: newton_euler.inverse_dynamics(model, bodies, q, rest, rest),

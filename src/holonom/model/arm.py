@@ -11,7 +11,17 @@ from numpy.typing import NDArray
 
 from holonom.errors import ModelError
 
-__all__ = ["ArmModel", "Body", "Friction", "Joint", "JointLimits", "Motor", "constant_transform"]
+__all__ = [
+    "ArmModel",
+    "Body",
+    "Frame",
+    "Friction",
+    "Joint",
+    "JointLimits",
+    "Mimic",
+    "Motor",
+    "constant_transform",
+]
 
 Array = NDArray[np.float64]
 Transform = tuple[tuple[float, ...], ...]
@@ -93,8 +103,20 @@ class JointLimits:
 
 
 @dataclass(frozen=True, slots=True)
+class Mimic:
+    """A joint that follows joint number `joint`: q = multiplier * q_joint + offset."""
+
+    joint: int
+    multiplier: float = 1.0
+    offset: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class Joint:
-    """`T_(i-1)i(q) = before @ motion(q) @ after`; motion turns about or slides along z."""
+    """`T_pi(q) = before @ motion(q) @ after`; motion turns about or slides along z.
+
+    `parent` is the number of the joint whose frame carries this one, -1 for the base; None means the one before.
+    """
 
     name: str
     kind: Literal["revolute", "prismatic"]
@@ -103,17 +125,34 @@ class Joint:
     limits: JointLimits = JointLimits()
     motor: Motor | None = None
     friction: Friction | None = None
+    parent: int | None = None
+    mimic: Mimic | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """A named frame fixed to a joint's frame (number `joint`, -1: the base), at `pose` in it."""
+
+    name: str
+    joint: int
+    pose: Transform = IDENTITY
 
 
 @dataclass(frozen=True, slots=True)
 class ArmModel:
-    """A serial arm. `base` is T_w0, `tool` is T_nt, `gravity` in m/s2 in the world."""
+    """An arm, or a tree of joints with one tool. `base` is T_w0, `gravity` in m/s2 in the world.
+
+    `bodies[i]` is fixed to joint i's frame. `tip` is the number of the joint that carries the tool (the last one unless
+    given), `tool` the tool's pose in its frame.
+    """
 
     name: str
     joints: tuple[Joint, ...]
     bodies: tuple[Body, ...] | None = None
     base: Transform = IDENTITY
     tool: Transform = IDENTITY
+    tip: int | None = None
+    frames: tuple[Frame, ...] = ()
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
     poses: Mapping[str, tuple[float, ...]] = field(default_factory=dict, hash=False)
     card: str = ""
@@ -126,3 +165,26 @@ class ArmModel:
                 f"arm {self.name!r} has {len(self.joints)} joints and {len(self.bodies)} bodies; "
                 "one body per joint is needed"
             )
+        for i, joint in enumerate(self.joints):
+            if not -1 <= self.parent(i) < i:
+                raise ModelError(
+                    f"joint {joint.name!r} has parent {self.parent(i)}; a joint must come after the one that carries it"
+                )
+            master = None if joint.mimic is None else joint.mimic.joint
+            if master is not None and (not 0 <= master < len(self.joints) or self.joints[master].mimic is not None):
+                raise ModelError(f"joint {joint.name!r} mimics joint {master}, which does not move on its own")
+
+    def parent(self, i: int) -> int:
+        """Number of the joint that carries joint i, -1 for the base."""
+        parent = self.joints[i].parent
+        return i - 1 if parent is None else parent
+
+    @property
+    def tool_joint(self) -> int:
+        """Number of the joint that carries the tool."""
+        return len(self.joints) - 1 if self.tip is None else self.tip
+
+    @property
+    def independent(self) -> tuple[int, ...]:
+        """Numbers of the joints that move on their own: the entries of q."""
+        return tuple(i for i, joint in enumerate(self.joints) if joint.mimic is None)

@@ -49,13 +49,24 @@ def check_pose(T: Any, name: str = "pose") -> Array:
         raise NotAPose(f"{name} has shape {A.shape}; (..., 4, 4) is needed")
     if not np.isfinite(A).all():
         raise NotAPose(f"{name} holds NaN or infinity")
-    R = A[..., :3, :3]
-    error = np.abs(R @ np.swapaxes(R, -1, -2) - np.eye(3)).max(initial=0.0)
-    if error > 1e-6 or (np.linalg.det(R) < 0.0).any():
+    error, handed = _orthonormality(A)
+    if error > 1e-6 or handed <= 0.0:
         raise NotAPose(
             f"the rotation part of {name} is no rotation (R R^T differs from I by {error:.1e}); "
             "orthonormalise it, for instance with scipy's Rotation.from_matrix"
         )
-    if np.abs(A[..., 3, :] - [0.0, 0.0, 0.0, 1.0]).max(initial=0.0) > 1e-9:
+    if (A[..., 3, :] != [0.0, 0.0, 0.0, 1.0]).any():
         raise NotAPose(f"the last row of {name} is not 0 0 0 1")
     return A
+
+
+def _orthonormality(A: Array) -> tuple[float, float]:
+    """Largest entry of R R^T - I and least determinant: row by row, which is many times faster than small products."""
+    a, b, c = (tuple(A[..., i, k] for k in range(3)) for i in range(3))
+    products = [_dot(a, a) - 1.0, _dot(b, b) - 1.0, _dot(c, c) - 1.0, _dot(a, b), _dot(b, c), _dot(a, c)]
+    n = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+    return max(float(np.abs(p).max(initial=0.0)) for p in products), float(_dot(n, c).min(initial=1.0))
+
+
+def _dot(a: tuple[Array, ...], b: tuple[Array, ...]) -> Array:
+    return np.asarray(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])

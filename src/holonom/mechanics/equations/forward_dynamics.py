@@ -53,6 +53,6 @@ def forward_dynamics(
     wrench_tool: Vector | None = None,
 ) -> list[Number]:
     """Joint accelerations under joint torques."""
-    still = [0.0] * len(model.joints)
+    still = [0.0] * len(model.independent)
     bias = inverse_dynamics(model, bodies, q, qd, still, friction=friction, wrench_tool=wrench_tool)
     return solve_ldl(mass_matrix(model, bodies, q), sub(tau, bias))

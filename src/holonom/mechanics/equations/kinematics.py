@@ -1,4 +1,4 @@
-"""Forward kinematics and Jacobian of a serial arm (Siciliano et al., Robotics, 2.8 and 3.1)."""
+"""Forward kinematics and Jacobian of an arm (Siciliano et al., Robotics, 2.8 and 3.1)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,18 @@ from holonom.mechanics.equations.vectors import (
 from holonom.model import ArmModel, Joint, Transform
 from holonom.trace import Number, cos, sin
 
-__all__ = ["JointMotion", "flat_pose", "frames", "jacobian", "joint_motion", "pose", "split"]
+__all__ = [
+    "JointMotion",
+    "carrying",
+    "flat_pose",
+    "frames",
+    "gather",
+    "jacobian",
+    "joint_motion",
+    "pose",
+    "split",
+    "spread",
+]
 
 
 def split(T: Transform) -> Pose:
@@ -56,13 +67,33 @@ def joint_motion(joint: Joint, q: Number) -> JointMotion:
     return JointMotion(matmul(Rb, Ra), add(pb, along), z_child, list(pb), tvec(Ra, pa), slide)
 
 
+def spread(model: ArmModel, q: Vector, *, rates: bool = False) -> list[Number]:
+    """Values of all joints from the independent ones': a mimic's is multiplier * q + offset (a rate's has none)."""
+    values: list[Number] = [0.0] * len(model.joints)
+    for i, value in zip(model.independent, q, strict=True):
+        values[i] = value
+    for i, joint in enumerate(model.joints):
+        if (follows := joint.mimic) is not None:
+            values[i] = values[follows.joint] * follows.multiplier + (0.0 if rates else follows.offset)
+    return values
+
+
+def gather(model: ArmModel, values: Vector) -> list[Number]:
+    """Generalised forces (or Jacobian entries) of the independent joints: the transpose of `spread`."""
+    sums = list(values)
+    for i, joint in enumerate(model.joints):
+        if (follows := joint.mimic) is not None:
+            sums[follows.joint] = sums[follows.joint] + values[i] * follows.multiplier
+    return [sums[i] for i in model.independent]
+
+
 def frames(model: ArmModel, q: Vector) -> list[Pose]:
-    """T_w0, T_w1, ..., T_wn, T_wt."""
+    """T_w0, the frames of all joints T_w1, ..., T_wn, and T_wt."""
     poses = [split(model.base)]
-    for joint, q_i in zip(model.joints, q, strict=True):
-        motion = joint_motion(joint, q_i)
-        poses.append(compose(poses[-1], (motion.R, motion.p)))
-    poses.append(compose(poses[-1], split(model.tool)))
+    for i, (joint, value) in enumerate(zip(model.joints, spread(model, q), strict=True)):
+        motion = joint_motion(joint, value)
+        poses.append(compose(poses[model.parent(i) + 1], (motion.R, motion.p)))
+    poses.append(compose(poses[model.tool_joint + 1], split(model.tool)))
     return poses
 
 
@@ -72,28 +103,44 @@ def flat_pose(T: Pose) -> list[Number]:
     return [*R[0], p[0], *R[1], p[1], *R[2], p[2], 0.0, 0.0, 0.0, 1.0]
 
 
-def pose(model: ArmModel, q: Vector, frame: int) -> list[Number]:
-    """Rows of T_w(frame); frame 0 .. n, n + 1 is the tool."""
-    return flat_pose(frames(model, q)[frame])
+def pose(model: ArmModel, q: Vector, joint: int | None, offset: Pose | None = None) -> list[Number]:
+    """Rows of T_w(joint number) @ offset; -1 is the base, None the tool."""
+    found = frames(model, q)
+    T = found[-1] if joint is None else found[joint + 1]
+    return flat_pose(T if offset is None else compose(T, offset))
+
+
+def carrying(model: ArmModel, joint: int) -> set[int]:
+    """Numbers of the joints between the base and a joint's frame, that joint included."""
+    path = set()
+    while joint >= 0:
+        path.add(joint)
+        joint = model.parent(joint)
+    return path
 
 
 def jacobian(model: ArmModel, q: Vector, expressed_in: str) -> list[Number]:
-    """Rows of the geometric Jacobian (6, n) of the tool point, [v; w], in the world or the tool frame.
+    """Rows of the geometric Jacobian (6, n) of the tool point, [v; w], in the world, base or tool frame.
 
-    Column i: revolute [z x (p - p_i); z], prismatic [z; 0] (specification 1.4).
+    Column i: revolute [z x (p - p_i); z], prismatic [z; 0] (specification 1.4); 0 where the joint does not carry
+    the tool.
     """
     T = frames(model, q)
     R_tool, p_tool = T[-1]
+    R_from = {"world": None, "base": T[0][0], "tool": R_tool}[expressed_in]
+    path = carrying(model, model.tool_joint)
     columns_: list[list[Number]] = []
-    for joint, (R, p) in zip(model.joints, T, strict=False):
+    for i, joint in enumerate(model.joints):
+        R, p = T[model.parent(i) + 1]
         Rb, pb = split(joint.before)
         z = columns(matmul(R, Rb))[2]
-        point = add(p, matvec(R, pb))
-        if joint.kind == "revolute":
-            v, w = cross(z, sub(p_tool, point)), z
-        else:
-            v, w = z, [0.0, 0.0, 0.0]
-        if expressed_in == "tool":
-            v, w = tvec(R_tool, v), tvec(R_tool, w)
+        v: list[Number] = [0.0] * 3
+        w: list[Number] = [0.0] * 3
+        if i in path and joint.kind == "revolute":
+            v, w = cross(z, sub(p_tool, add(p, matvec(R, pb)))), z
+        elif i in path:
+            v = z
+        if R_from is not None:
+            v, w = tvec(R_from, v), tvec(R_from, w)
         columns_.append([*v, *w])
-    return [column[row] for row in range(6) for column in columns_]
+    return [entry for row in range(6) for entry in gather(model, [column[row] for column in columns_])]

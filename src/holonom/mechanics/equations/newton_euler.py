@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 from holonom.mechanics.equations.inertia import Inertial
-from holonom.mechanics.equations.kinematics import JointMotion, joint_motion, split
+from holonom.mechanics.equations.kinematics import JointMotion, gather, joint_motion, split, spread
 from holonom.mechanics.equations.vectors import Vector, add, cross, dot, matmul, matvec, scale, tvec
 from holonom.model import ArmModel, Friction
 from holonom.trace import Number, less, select
+
+_Wrench = tuple[list[Number], list[Number]]
+"""Force and moment."""
 
 __all__ = ["friction_torque", "inverse_dynamics", "reflected_inertia"]
 
@@ -37,7 +41,7 @@ def _spin(w: Vector, wd: Vector) -> list[list[Number]]:
     ]
 
 
-def _wrench_of_motion(body: Inertial, a: Vector, U: Sequence[Vector]) -> tuple[list[Number], list[Number]]:
+def _wrench_of_motion(body: Inertial, a: Vector, U: Sequence[Vector]) -> _Wrench:
     """Force and moment about the frame origin that move a body: F = m a + U h, N = vee(U S - (U S)^T) + h x a."""
     US = matmul(U, body.S)
     turn: list[Number] = [US[2][1] - US[1][2], US[0][2] - US[2][0], US[1][0] - US[0][1]]
@@ -59,53 +63,67 @@ def inverse_dynamics(
 
     `wrench_tool` [f; m] is what the arm exerts on its environment at the tool point, in the tool frame.
     """
-    R_w0, _ = split(model.base)
-    g = model.gravity if gravity is None else gravity
-    w: Vector = [0.0, 0.0, 0.0]
-    wd: Vector = [0.0, 0.0, 0.0]
-    a: Vector = tvec(R_w0, scale(-1.0, g))
-    U: Sequence[Vector] = [[0.0] * 3] * 3
-    motions: list[JointMotion] = []
-    loads: list[tuple[list[Number], list[Number]]] = []
-    for joint, body, q_i, qd_i, qdd_i in zip(model.joints, bodies, q, qd, qdd, strict=True):
-        motion = joint_motion(joint, q_i)
-        R, z = motion.R, motion.z_child
-        a_point = tvec(R, add(a, matvec(U, motion.p_before)))
-        w, wd = tvec(R, w), tvec(R, wd)
-        if joint.kind == "revolute":
-            wd = add(add(wd, scale(qdd_i, z)), cross(w, scale(qd_i, z)))
-            w = add(w, scale(qd_i, z))
-            U = _spin(w, wd)
-            a = add(a_point, matvec(U, motion.p_after))
-        else:
-            U = _spin(w, wd)
-            a = add(a_point, matvec(U, add(motion.p_after, motion.slide)))
-            a = add(a, add(scale(qdd_i, z), scale(2.0, cross(w, scale(qd_i, z)))))
-        motions.append(motion)
-        loads.append(_wrench_of_motion(body, a, U))
+    motions = [joint_motion(j, q_i) for j, q_i in zip(model.joints, spread(model, q), strict=True)]
+    states = [_base(model, model.gravity if gravity is None else gravity)]
+    rates, accelerations = spread(model, qd, rates=True), spread(model, qdd, rates=True)
+    for i, motion in enumerate(motions):
+        states.append(_outward(model.joints[i].kind, motion, states[model.parent(i) + 1], rates[i], accelerations[i]))
+    loads = [_wrench_of_motion(body, s.a, s.U) for body, s in zip(bodies, states[1:], strict=True)]
+    if wrench_tool is not None:
+        loads[model.tool_joint] = _sum(loads[model.tool_joint], _tool_load(model, wrench_tool))
 
-    f, n = _tool_load(model, wrench_tool)
-    torque: list[Number] = []
+    torque: list[Number] = [0.0] * len(motions)
     for i in reversed(range(len(motions))):
-        joint, motion = model.joints[i], motions[i]
-        F, N = loads[i]
-        f, n = add(f, F), add(n, N)
+        motion, (f, n) = motions[i], loads[i]
         at_joint = add(n, cross(add(motion.p_after, motion.slide), f))
-        torque.append(dot(motion.z_child, at_joint if joint.kind == "revolute" else f))
-        f = matvec(motion.R, f)
-        n = add(matvec(motion.R, at_joint), cross(motion.p_before, f))
-    torque.reverse()
+        torque[i] = dot(motion.z_child, at_joint if model.joints[i].kind == "revolute" else f)
+        f_parent = matvec(motion.R, f)
+        if (parent := model.parent(i)) >= 0:
+            inward = (f_parent, add(matvec(motion.R, at_joint), cross(motion.p_before, f_parent)))
+            loads[parent] = _sum(loads[parent], inward)
     rotor = reflected_inertia(model)
-    torque = [t + k * u for t, k, u in zip(torque, rotor, qdd, strict=True)]
+    torque = [t + k * u for t, k, u in zip(torque, rotor, accelerations, strict=True)]
     if friction:
-        torque = [t + friction_torque(j.friction, u) for t, j, u in zip(torque, model.joints, qd, strict=True)]
-    return torque
+        torque = [t + friction_torque(j.friction, u) for t, j, u in zip(torque, model.joints, rates, strict=True)]
+    return gather(model, torque)
 
 
-def _tool_load(model: ArmModel, wrench_tool: Vector | None) -> tuple[list[Number], list[Number]]:
-    """The tool wrench as force and moment about the last link frame's origin, in that frame."""
-    if wrench_tool is None:
-        return [0.0] * 3, [0.0] * 3
+class _Motion(NamedTuple):
+    """Angular velocity and its rate, acceleration of the origin (gravity as an acceleration), and U, in the frame."""
+
+    w: Vector
+    wd: Vector
+    a: Vector
+    U: Sequence[Vector]
+
+
+def _base(model: ArmModel, gravity: Vector) -> _Motion:
+    R_w0, _ = split(model.base)
+    still = [0.0, 0.0, 0.0]
+    return _Motion(still, still, tvec(R_w0, scale(-1.0, gravity)), [still] * 3)
+
+
+def _outward(kind: str, motion: JointMotion, parent: _Motion, qd: Number, qdd: Number) -> _Motion:
+    """Motion of a joint's frame from that of its parent."""
+    R, z = motion.R, motion.z_child
+    a = tvec(R, add(parent.a, matvec(parent.U, motion.p_before)))
+    w, wd = tvec(R, parent.w), tvec(R, parent.wd)
+    if kind == "revolute":
+        wd = add(add(wd, scale(qdd, z)), cross(w, scale(qd, z)))
+        w = add(w, scale(qd, z))
+        U = _spin(w, wd)
+        return _Motion(w, wd, add(a, matvec(U, motion.p_after)), U)
+    U = _spin(w, wd)
+    a = add(a, matvec(U, add(motion.p_after, motion.slide)))
+    return _Motion(w, wd, add(a, add(scale(qdd, z), scale(2.0, cross(w, scale(qd, z))))), U)
+
+
+def _sum(a: _Wrench, b: _Wrench) -> _Wrench:
+    return add(a[0], b[0]), add(a[1], b[1])
+
+
+def _tool_load(model: ArmModel, wrench_tool: Vector) -> _Wrench:
+    """The tool wrench as force and moment about the origin of the frame that carries the tool, in that frame."""
     R, p = split(model.tool)
     f = matvec(R, wrench_tool[:3])
     return f, add(matvec(R, wrench_tool[3:]), cross(p, f))
