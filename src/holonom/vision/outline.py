@@ -82,7 +82,8 @@ def _along_rays(relief: Image, region: Mask, centres: Floats, radii: Floats) -> 
     rows, shape = (-1, RADII.size), u.shape
     u, v = u.reshape(rows), v.reshape(rows)
     values = cv2.remap(relief, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    inside = cv2.remap(region.astype(np.uint8), u, v, cv2.INTER_NEAREST, borderMode=cv2.BORDER_CONSTANT) > 0
+    weight = cv2.remap(region.astype(np.float32), u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
+    inside = weight > 0.999  # of all pixels that the value was interpolated from
     last = np.maximum.accumulate(np.where(inside, np.arange(RADII.size), 0), axis=-1)
     return np.take_along_axis(values, last, axis=-1).reshape(shape)
 
