@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.app.camera import Seen, layout, pixel_axes, placement_pose
+from holonom.app.camera import Seen, pixel_axes, placement_pose
 from holonom.app.cell_model import Cell, Tray, TrayField
 from holonom.app.report import Box, Detection, Label, PhotoOverlay, Scene, View, arm_shapes, gripper_shapes
 from holonom.app.report import Disc as DiscShape
@@ -68,9 +68,8 @@ def _discs(cell: Cell, seen: Seen | None, T_table: Array) -> list[Disc]:
     parts = cell.parts
     if parts is None or seen is None:
         return []
-    centres, diameters = layout(parts, seen)
     discs = []
-    for number, (centre, diameter) in enumerate(zip(centres, diameters, strict=True), start=1):
+    for number, (centre, diameter) in enumerate(zip(seen.centres, seen.diameters, strict=True), start=1):
         mass = parts.density * parts.thickness * np.pi * (diameter / 2) ** 2
         T = T_table @ pose((*centre, parts.thickness / 2))
         discs.append(Disc(f"{parts.name}_{number:02d}", float(diameter / 2), parts.thickness, float(mass), T))

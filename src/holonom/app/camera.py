@@ -28,7 +28,7 @@ from holonom.vision import (
     to_table,
 )
 
-__all__ = ["Seen", "calibrate", "layout", "look", "pixel_axes", "placement_pose"]
+__all__ = ["Seen", "calibrate", "look", "pixel_axes", "placement_pose"]
 
 Array = NDArray[np.float64]
 FINGER_CLEARANCE = 1.5e-3
@@ -37,12 +37,18 @@ FINGER_CLEARANCE = 1.5e-3
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """A photograph, its calibration and what was found: discs in pixels, parts on the table, parts for the program."""
+    """A photograph, its calibration and what was found: discs in pixels, parts on the table, parts for the program.
+
+    `centres` (k, 2) and `diameters` (k,), in m, say where the simulated parts truly lie in the table frame, in the
+    order in which the camera numbers them, as far as it sees them.
+    """
 
     camera: TableCamera
     discs: tuple[Disc, ...]
     measured: tuple[TablePart, ...]
     parts: tuple[Part, ...]
+    centres: Array
+    diameters: Array
     png: bytes
     """the photograph as a PNG file"""
     size: tuple[int, int]
@@ -60,7 +66,7 @@ def look(cell: Cell, path: Path) -> Seen:
     Raises
     ------
     CellError
-        The calibration points do not determine the camera; names the file.
+        The calibration points do not determine the camera, or the layout is none; names the file.
     ImageError
         The photograph is missing or not an image.
     """
@@ -71,8 +77,12 @@ def look(cell: Cell, path: Path) -> Seen:
     discs = find_coins(image)
     measured = measure(camera, discs)
     parts = _for_program(cell, cell.parts, measured)
+    centres = np.array([[part.x, part.y] for part in measured]).reshape(-1, 2)
+    diameters = np.array([part.diameter for part in measured])
+    if cell.parts.layout is not None:
+        centres, diameters = _layout(_read_layout(cell.parts.layout), camera, discs)
     png = cv2.imencode(".png", image)[1].tobytes()
-    return Seen(camera, discs, measured, parts, png, (image.shape[1], image.shape[0]))
+    return Seen(camera, discs, measured, parts, centres, diameters, png, (image.shape[1], image.shape[0]))
 
 
 def calibrate(camera: Camera, path: Path) -> TableCamera:
@@ -106,22 +116,11 @@ def _for_program(cell: Cell, parts: Parts, measured: tuple[TablePart, ...]) -> t
     return tuple(found)
 
 
-def layout(parts: Parts, seen: Seen) -> tuple[Array, Array]:
-    """Where the simulated parts truly lie: centres (k, 2) and diameters (k,) in the table frame, m.
-
-    In the order in which the camera numbers them, as far as it sees them.
-
-    Raises
-    ------
-    CellError
-        The layout file is not what it should be.
-    """
-    if parts.layout is None:
-        return np.array([[p.x, p.y] for p in seen.measured]), np.array([p.diameter for p in seen.measured])
-    rows = _read_layout(parts.layout)
-    centres = to_table(seen.camera, rows[:, :2])
-    step = to_table(seen.camera, rows[:, :2] + np.array([1.0, 0.0])) - centres
-    found = np.array([[disc.u, disc.v] for disc in seen.discs]).reshape(-1, 2)
+def _layout(rows: Array, camera: TableCamera, discs: tuple[Disc, ...]) -> tuple[Array, Array]:
+    """Centres (k, 2) and diameters (k,) on the table (m) of rows u, v, diameter (px), in the order of the discs."""
+    centres = to_table(camera, rows[:, :2])
+    step = to_table(camera, rows[:, :2] + np.array([1.0, 0.0])) - centres
+    found = np.array([[disc.u, disc.v] for disc in discs]).reshape(-1, 2)
     apart = np.linalg.norm(rows[:, None, :2] - found[None], axis=-1)
     number = apart.argmin(axis=1) if len(found) else np.zeros(len(rows))
     order = np.argsort(number, kind="stable")

@@ -166,6 +166,7 @@ class SimulatedMachine:
         self._sink, self._look, self._ready = sink, look, ready
         self._planned = _standing(plant.q)
         self._consumed = 0
+        self._line_before = 0
         self._blend = True
         self._tolerance = "coarse"
         self._parts: list[Any] = []
@@ -180,6 +181,7 @@ class SimulatedMachine:
             self._planned, self._consumed = plan(self.arm, self._planned.q[-1], motion, self.line), 0
         elif self._blend and self._consumed >= self._planned.begin:
             following = plan(self.arm, self._planned.q[-1], motion, self.line)
+            self._line_before = self.active_line
             self._planned = splice(self._planned, self._consumed, following, self.arm.limits)
             self._consumed = 0
         else:
@@ -259,7 +261,9 @@ class SimulatedMachine:
     @property
     def active_line(self) -> int:
         """Source line of the motion under way, 0 when standing."""
-        return self._planned.line if self._consumed < len(self._planned.q) else 0
+        if self._consumed >= len(self._planned.q):
+            return 0
+        return self._planned.line if self._consumed >= self._planned.begin else self._line_before
 
     def advance(self) -> None:
         """Advance everything by one program tick.
@@ -270,11 +274,12 @@ class SimulatedMachine:
             An axis left its limits, or a finger hit a part.
         """
         self.plant.advance(self._next_samples())
-        T = self.pose()
-        for what in self.world.step(T, PROGRAM_TICK):
-            self.log("info", "hand", what, self.active_line)
+        try:
+            for what in self.world.step(self.pose(), PROGRAM_TICK):
+                self.log("info", "hand", what, self.active_line)
+        finally:
+            self._record(*self._present_reference())
         self.plant.payload = self.world.payload
-        self._record(*self._present_reference())
 
     def halt(self) -> None:
         """End the motion in a controlled way: brake along the path, or hold zero speed after a drive fault."""
