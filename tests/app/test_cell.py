@@ -22,7 +22,7 @@ TEXT = (EXAMPLES / "01_sort_coins" / "cell.toml").read_text("utf-8")
 
 def write(folder: Path, text: str) -> Path:
     """A cell file with files of the names that it mentions beside it."""
-    for name in ("coins.png", "sort_coins.arps", "sort_coins.loc"):
+    for name in ("coins.png", "coins.csv", "sort_coins.arps", "sort_coins.loc"):
         (folder / name).touch()
     path = folder / "cell.toml"
     path.write_text(text, "utf-8")
@@ -142,7 +142,7 @@ FAULTS = {
     "other dimension": ('"120mm"', '"120g"', "120g", "gripper.length", "unit of mass; .*mm, cm, m or um"),
     "no unit": ('"120mm"', "120", "120", "gripper.length", "in mm, cm, m or um"),
     "out of range": ('"0.4kg"', '"-0.4kg"', "-0.4kg", "gripper.mass", "1g to 100kg is allowed"),
-    "fraction beyond 1": ("joint_speed = 1.0", "joint_speed = 1.2", "1.2", "limits.joint_speed", "0.01 to 1.0"),
+    "fraction beyond 1": ("joint_speed = 0.95", "joint_speed = 1.2", "1.2", "limits.joint_speed", "0.01 to 1.0"),
     "text for a number": ("seed = 560", 'seed = "560"', 'seed = "560"', "cell.seed", "a whole number is expected"),
     "negative seed": ("seed = 560", "seed = -560", "seed = -560", "cell.seed", "greater than or equal to 0"),
     "value for a table": ("[parts]", "[[parts]]", "[[parts]]", "parts", "a table is expected"),
