@@ -1,0 +1,202 @@
+"""Differential motion and statics of an arm at a configuration (Siciliano 3.3, 3.8, 3.9; Yoshikawa 1985).
+
+Everything follows from the singular values of the geometric Jacobian in the world frame.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from holonom.errors import OutOfLimits, ShapeError, UnknownName
+from holonom.mechanics.arm import Arm
+from holonom.mechanics.equations.puma_inverse import puma_geometry
+
+__all__ = [
+    "Ellipsoid",
+    "Singularity",
+    "force_ellipsoid",
+    "joint_torques",
+    "largest_force",
+    "lost_directions",
+    "manipulability",
+    "nullspace",
+    "singular_values",
+    "singularities",
+    "transform_twist",
+    "transform_wrench",
+    "velocity_ellipsoid",
+]
+
+Array = NDArray[np.float64]
+Part = Literal["all", "translation", "rotation"]
+ROWS = {"all": slice(0, 6), "translation": slice(0, 3), "rotation": slice(3, 6)}
+LOST = 1e-6
+"""Singular value below which a direction counts as lost (m or 1 per rad)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ellipsoid:
+    """Principal `axes` (..., 3, 3), one per column, in the world, and `radii` (..., 3), largest first."""
+
+    axes: Array
+    radii: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Singularity:
+    """How near an arm is to a singularity.
+
+    `value` is 0 at it (a length in m, the sine of an angle, or a singular value); `direction` (6,) is the unit twist
+    [v; w] in the world that is lost there, or would be lost first.
+    """
+
+    name: str
+    value: float
+    near: bool
+    direction: Array
+
+
+def _part(arm: Arm, q: ArrayLike, part: Part) -> Array:
+    if part not in ROWS:
+        raise UnknownName("part of the Jacobian", str(part), ROWS)
+    return arm.jacobian(q)[..., ROWS[part], :]
+
+
+def singular_values(arm: Arm, q: ArrayLike, part: Part = "all") -> Array:
+    """Singular values of the Jacobian (..., min(m, n)), largest first; metres and radians mixed for "all"."""
+    return np.asarray(np.linalg.svd(_part(arm, q, part), compute_uv=False))
+
+
+def manipulability(arm: Arm, q: ArrayLike, part: Part = "all") -> Array:
+    """Yoshikawa's measure sqrt(det(J J^T)) (...); for arms of fewer joints than rows, of J^T J."""
+    return np.asarray(singular_values(arm, q, part).prod(axis=-1))
+
+
+def lost_directions(arm: Arm, q: ArrayLike, *, tolerance: float = LOST) -> Array:
+    """Unit twists [v; w] in the world (k, 6) along which the tool cannot move at q (n,)."""
+    J = _one(arm, q)
+    U, s, _ = np.linalg.svd(J)
+    rank = int((s > tolerance).sum())
+    return np.asarray(U[:, rank:].T.copy())
+
+
+def nullspace(arm: Arm, q: ArrayLike, *, tolerance: float = LOST) -> Array:
+    """Orthonormal joint rates (n, k) that leave the tool at rest at q (n,)."""
+    _, s, Vt = np.linalg.svd(_one(arm, q))
+    rank = int((s > tolerance).sum())
+    return np.asarray(Vt[rank:].T.copy())
+
+
+def _one(arm: Arm, q: ArrayLike) -> Array:
+    J = arm.jacobian(q)
+    if J.ndim != 2:
+        raise ShapeError(f"q has shape {np.shape(q)}; one configuration ({arm.n},) is needed here")
+    return J
+
+
+def velocity_ellipsoid(arm: Arm, q: ArrayLike, part: Literal["translation", "rotation"] = "translation") -> Ellipsoid:
+    """Tool velocities that joint rates of norm 1 reach: radii in m/s (or rad/s) per rad/s."""
+    U, s, _ = np.linalg.svd(_part(arm, q, part))
+    radii = np.zeros((*s.shape[:-1], 3))
+    radii[..., : s.shape[-1]] = s
+    return Ellipsoid(U, radii)
+
+
+def force_ellipsoid(arm: Arm, q: ArrayLike, part: Literal["translation", "rotation"] = "translation") -> Ellipsoid:
+    """Forces (or moments) that joint torques of norm 1 balance: the velocity ellipsoid's axes, radii inverted.
+
+    A radius is infinite where a direction is lost: the structure carries the load, not the motors.
+    """
+    velocity = velocity_ellipsoid(arm, q, part)
+    with np.errstate(divide="ignore"):
+        radii = np.where(velocity.radii > LOST, 1.0 / velocity.radii, np.inf)
+    return Ellipsoid(velocity.axes[..., ::-1], radii[..., ::-1])
+
+
+def singularities(arm: Arm, q: ArrayLike, *, tolerance: float = 0.02) -> tuple[Singularity, ...]:
+    """Named singularities at q (n,), nearest first.
+
+    A Puma-type arm has three (specification 1.4): shoulder (wrist centre at its least distance |d3| from axis 1,
+    `a2 c2 + a3 c23 - d4 s23 = 0`, m), elbow (stretched or folded, `a3 s3 + d4 c3 = 0`, m) and wrist (`s5 = 0`).
+    Any other arm has "smallest singular value".
+    """
+    J = _one(arm, q)
+    direction = np.asarray(np.linalg.svd(J)[0][:, -1] if arm.n >= 6 else np.linalg.svd(J)[0][:, arm.n - 1])
+    measures = _puma_measures(arm, np.asarray(q, dtype=float))
+    if measures is None:
+        measures = {"smallest singular value": float(np.linalg.svd(J, compute_uv=False)[-1])}
+    found = [Singularity(name, value, abs(value) < tolerance, direction) for name, value in measures.items()]
+    return tuple(sorted(found, key=lambda s: abs(s.value)))
+
+
+def _puma_measures(arm: Arm, q: Array) -> dict[str, float] | None:
+    k = puma_geometry(arm.model)
+    if k is None:
+        return None
+    s23, c23 = np.sin(q[1] + q[2]), np.cos(q[1] + q[2])
+    return {
+        "shoulder": float(k.a2 * np.cos(q[1]) + k.a3 * c23 - k.d4 * s23),
+        "elbow": float(k.a3 * np.sin(q[2]) + k.d4 * np.cos(q[2])),
+        "wrist": float(np.sin(q[4])),
+    }
+
+
+def joint_torques(arm: Arm, q: ArrayLike, wrench: ArrayLike, frame: str = "world") -> Array:
+    """tau = J^T h (..., n) for the wrench h = [f; m] (..., 6) that the arm exerts on its environment, in `frame`.
+
+    `frame`: "world", "base" or "tool". Gravity is not in: add `arm.gravity(q)`.
+    """
+    h = np.asarray(wrench, dtype=float)
+    if h.shape[-1:] != (6,) or not np.isfinite(h).all():
+        raise ShapeError(f"wrench must be finite and of shape (..., 6), [f; m]; shape {h.shape} came")
+    return np.asarray(np.einsum("...ij,...i->...j", arm.jacobian(q, frame=frame), h))
+
+
+def transform_wrench(T_ab: ArrayLike, h_b: ArrayLike) -> Array:
+    """The same wrench [f; m] stated in frame a, its moment about a's origin: f_a = R f, m_a = R m + p x R f."""
+    T, h = np.asarray(T_ab, dtype=float), np.asarray(h_b, dtype=float)
+    f, m = _turned(T, h)
+    return np.concatenate([f, m + np.cross(T[..., :3, 3], f)], axis=-1)
+
+
+def transform_twist(T_ab: ArrayLike, t_b: ArrayLike) -> Array:
+    """The same twist [v; w] stated in frame a, v of the point at a's origin: w_a = R w, v_a = R v + p x R w."""
+    T, t = np.asarray(T_ab, dtype=float), np.asarray(t_b, dtype=float)
+    v, w = _turned(T, t)
+    return np.concatenate([v + np.cross(T[..., :3, 3], w), w], axis=-1)
+
+
+def _turned(T: Array, x: Array) -> tuple[Array, Array]:
+    R = T[..., :3, :3]
+    return np.einsum("...ij,...j->...i", R, x[..., :3]), np.einsum("...ij,...j->...i", R, x[..., 3:])
+
+
+def largest_force(arm: Arm, q: ArrayLike, direction: ArrayLike) -> float:
+    """Largest force (N) on the environment along a world direction (3,) that the joints' torque limits allow at rest.
+
+    |J^T f d + g| <= torque limit, joint by joint; gravity takes its part of each limit.
+
+    Raises
+    ------
+    OutOfLimits
+        Gravity alone exceeds a joint's torque limit.
+    """
+    d = np.asarray(direction, dtype=float)
+    length = np.linalg.norm(d)
+    if d.shape != (3,) or not length > 0.0:
+        raise ShapeError(f"direction must be (3,) and not zero; {d} came")
+    per_newton = _one(arm, q)[:3].T @ (d / length)
+    hold, limits = arm.gravity(q), arm.limits
+    room = limits.torque - np.abs(hold)
+    if (room < 0.0).any():
+        j = int(np.argmin(room))
+        raise OutOfLimits(
+            f"{limits.names[j]} needs {hold[j]:.1f} N m for gravity alone; its limit is {limits.torque[j]:.1f} N m"
+        )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        bound = np.where(per_newton > 0, limits.torque - hold, limits.torque + hold) / np.abs(per_newton)
+    return float(np.min(bound[np.abs(per_newton) > 1e-12], initial=np.inf))

@@ -1,0 +1,114 @@
+"""Laws of differential motion and statics."""
+
+import numpy as np
+import pytest
+from arms import random_model
+
+from holonom.errors import OutOfLimits, ShapeError, UnknownName
+from holonom.mechanics import Arm, load_arm
+from holonom.mechanics.analysis import (
+    force_ellipsoid,
+    joint_torques,
+    largest_force,
+    lost_directions,
+    manipulability,
+    nullspace,
+    singular_values,
+    singularities,
+    transform_twist,
+    transform_wrench,
+    velocity_ellipsoid,
+)
+
+Q = np.array([0.3, 0.5, -2.4, 0.4, 0.6, -0.2])
+
+
+@pytest.fixture(scope="module")
+def arm():
+    return load_arm("puma560")
+
+
+def test_manipulability_is_the_root_of_the_determinant(arm):
+    q = np.tile(Q, (4, 1)) + 0.1 * np.arange(4)[:, None]
+    J = arm.jacobian(q)
+    np.testing.assert_allclose(manipulability(arm, q), np.sqrt(np.linalg.det(J @ np.swapaxes(J, 1, 2))), rtol=1e-9)
+    np.testing.assert_allclose(singular_values(arm, Q), np.linalg.svd(arm.jacobian(Q))[1])
+
+
+def test_ellipsoids_hold_every_direction(arm):
+    rng = np.random.default_rng(1)
+    J = arm.jacobian(Q)[:3]
+    ellipsoid = velocity_ellipsoid(arm, Q)
+    rates = rng.normal(size=(2000, 6))
+    v = (rates / np.linalg.norm(rates, axis=1, keepdims=True)) @ J.T
+    inside = np.sum((v @ ellipsoid.axes / ellipsoid.radii) ** 2, axis=1)
+    assert inside.max() <= 1.0 + 1e-12
+    assert np.linalg.norm(J @ np.linalg.pinv(J)[:, :] @ ellipsoid.axes[:, 0]) == pytest.approx(1.0)
+    force = force_ellipsoid(arm, Q)
+    for axis, radius in zip(force.axes.T, force.radii, strict=True):
+        assert np.linalg.norm(J.T @ (axis * radius)) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    ("name", "q"),
+    [
+        ("wrist", [0.3, 0.5, -2.4, 0.4, 0.0, -0.2]),
+        ("elbow", [0.3, 0.5, -np.arctan2(0.4318, 0.0203) + np.pi, 0.4, 0.6, -0.2]),
+        ("shoulder", None),
+    ],
+)
+def test_named_singularities_lose_one_direction(arm, name, q):
+    if q is None:  # the wrist centre over the shoulder: solve a2 c2 + a3 c23 - d4 s23 = 0 for q2
+        q3 = -2.4
+        a = 0.4318 + 0.0203 * np.cos(q3) - 0.4318 * np.sin(q3)
+        b = -0.0203 * np.sin(q3) - 0.4318 * np.cos(q3)
+        q = [0.3, np.arctan2(-a, b), q3, 0.4, 0.6, -0.2]
+    found = {s.name: s for s in singularities(arm, q)}
+    assert found[name].near
+    assert abs(found[name].value) < 1e-12
+    lost = lost_directions(arm, q)
+    assert lost.shape == (1, 6)
+    np.testing.assert_allclose(lost @ arm.jacobian(q), 0.0, atol=1e-12)
+    np.testing.assert_allclose(np.abs(lost[0] @ found[name].direction), 1.0)
+    assert not any(s.near for s in singularities(arm, Q))
+    assert nullspace(arm, q).shape == (6, 1)
+    np.testing.assert_allclose(arm.jacobian(q) @ nullspace(arm, q), 0.0, atol=1e-12)
+
+
+def test_power_does_not_depend_on_the_frame(arm):
+    rng = np.random.default_rng(2)
+    h, qd = rng.normal(size=6), rng.normal(size=6)
+    T = arm.fk(Q)
+    for frame in ("world", "base", "tool"):
+        twist = arm.jacobian(Q, frame=frame) @ qd
+        assert joint_torques(arm, Q, h, frame) @ qd == pytest.approx(h @ twist)
+    t_tool = arm.jacobian(Q, frame="tool") @ qd
+    h_world, t_world = transform_wrench(T, h), transform_twist(T, t_tool)
+    assert h_world @ t_world == pytest.approx(h @ t_tool)
+    np.testing.assert_allclose(t_world[3:], (arm.jacobian(Q) @ qd)[3:], atol=1e-12)
+
+
+def test_the_largest_force_uses_up_one_joint(arm):
+    for d in ([1.0, 0.0, 0.0], [0.0, 0.0, -2.0], [0.3, -0.4, 0.5]):
+        force = largest_force(arm, Q, d)
+        unit = np.array(d) / np.linalg.norm(d)
+        tau = arm.gravity(Q) + joint_torques(arm, Q, [*(force * unit), 0.0, 0.0, 0.0])
+        assert (np.abs(tau) / arm.limits.torque).max() == pytest.approx(1.0)
+
+
+def test_generic_arms_and_bad_input(arm):
+    other = Arm(random_model(13, 3))
+    (found,) = singularities(other, [0.1, 0.2, 0.3])
+    assert found.name == "smallest singular value"
+    assert found.value == pytest.approx(singular_values(other, [0.1, 0.2, 0.3])[-1])
+    assert lost_directions(other, [0.1, 0.2, 0.3]).shape == (3, 6)
+    with pytest.raises(UnknownName, match="translation"):
+        manipulability(arm, Q, "linear")
+    with pytest.raises(ShapeError, match="one configuration"):
+        lost_directions(arm, [Q, Q])
+    with pytest.raises(ShapeError, match=r"\(\.\.\., 6\)"):
+        joint_torques(arm, Q, [1.0])
+    with pytest.raises(ShapeError, match="direction"):
+        largest_force(arm, Q, [0.0, 0.0, 0.0])
+    with pytest.raises(OutOfLimits, match="shoulder"):
+        largest_force(arm.with_gravity((0.0, 0.0, -98.1)), [0.0, 0.0, -1.5, 0.0, 0.1, 0.0], [1.0, 0.0, 0.0])
