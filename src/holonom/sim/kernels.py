@@ -10,9 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from llvmlite import ir
-from numba import njit, types
-from numba.extending import intrinsic
+from numba import njit
 from numpy.typing import NDArray
 
 from holonom.control.kernels import (
@@ -33,6 +31,7 @@ from holonom.devices.kernels import (
     gear_torque,
     tracking_step,
 )
+from holonom.trace.pointer import call_kernel
 
 __all__ = ["CASCADE", "COMPUTED_TORQUE", "POSITION_TICK", "SPEED_TICK", "STOP", "advance"]
 
@@ -44,22 +43,6 @@ SPEED_TICK, POSITION_TICK = 5, 10
 
 Floats = NDArray[np.float64]
 Records = NDArray[np.void]
-
-
-def _call_kernel(context: Any, address: Any, source: Any, target: Any) -> Any:
-    """Call `void(double*, double*)` at `address` on the data of two arrays."""
-
-    def generate(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
-        pointer = ir.PointerType(ir.DoubleType())
-        function = ir.FunctionType(ir.VoidType(), [pointer, pointer])
-        data = [ctx.make_array(t)(ctx, builder, a).data for t, a in zip(signature.args[1:], args[1:], strict=True)]
-        builder.call(builder.inttoptr(args[0], ir.PointerType(function)), data)
-        return ctx.get_dummy_value()
-
-    return types.void(types.int64, source, target), generate
-
-
-call_kernel: Any = intrinsic(_call_kernel)
 
 
 @njit(cache=True, error_model="numpy")
