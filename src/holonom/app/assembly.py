@@ -155,7 +155,7 @@ def _views(cell: Cell, T_table: Array) -> tuple[View, ...]:
     middle = (T_table @ np.array([width / 2, depth / 2, 0.0, 1.0]))[:3]
     x, y, z = (float(v) for v in middle)
     return (
-        View("Overview", (x + 0.95, y - 1.0, z + 0.85), (0.5 * x, 0.5 * y, z + 0.16)),
+        View("Overview", (x + 0.85, y - 0.95, z + 0.72), (0.58 * x, 0.5 * y, z + 0.2)),
         View("Table", (x + 0.5, y - 0.25, z + 0.55), (x, y, z)),
         View("Side", (0.5 * x, y - 1.7, z + 0.3), (0.5 * x, y, z + 0.15)),
     )
