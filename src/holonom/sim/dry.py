@@ -49,15 +49,15 @@ class DryMachine:
         self.said: list[str] = []
         self._q, self._ready, self._look, self._hand_time = q.copy(), ready, look, hand_time
         self._clock = 0.0
-        self._busy = False
+        self._moved_in_tick = False
         self._parts: list[Any] = []
         self._signals: dict[int, bool] = {}
 
     def move(self, motion: MotionRequest) -> bool:
         """Plan a motion and take it as made; False until the next tick after one was taken."""
-        if self._busy:
+        if self._moved_in_tick:
             return False
-        self._busy = True
+        self._moved_in_tick = True
         self.moved += 1
         try:
             trajectory = plan(self.arm, self._q, motion, self.line)
@@ -65,14 +65,13 @@ class DryMachine:
             self.problems.append(Problem(motion.line, str(problem)))
             return True
         self._q = trajectory.q[-1].copy()
-        self._clock += trajectory.duration
+        self._clock += max(trajectory.duration - PROGRAM_TICK, 0.0)
         return True
 
     def tick(self) -> None:
-        """Let a program tick pass, as part of the motion where one was taken."""
-        if not self._busy:
-            self._clock += PROGRAM_TICK
-        self._busy = False
+        """Let a program tick pass, the first one of a motion where one was taken."""
+        self._clock += PROGRAM_TICK
+        self._moved_in_tick = False
 
     def idle(self) -> bool:
         """Motions end at once."""
