@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.errors import ModelError
+from holonom.errors import ModelError, UnknownName
 
 __all__ = [
     "ArmModel",
@@ -70,6 +70,9 @@ class Motor:
 
     Torque constant in N m/A (= back-EMF constant in V s/rad), resistance in ohm, inductance in H, inertia in kg m2
     at the motor, voltage in V, current in A.
+
+    The rotor turns about `axis` (a unit vector) at `position`, both in the frame that carries the joint. Its `mass` (kg)
+    and `transverse_inertia` (about the other two axes) count where the links' do not include the rotors.
     """
 
     gear_ratio: float
@@ -80,15 +83,30 @@ class Motor:
     max_voltage: float = 0.0
     max_current: float = 0.0
     encoder_counts: int = 0
+    axis: tuple[float, float, float] | None = None
+    position: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    mass: float = 0.0
+    transverse_inertia: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.axis is not None and not abs(float(np.linalg.norm(self.axis)) - 1.0) < 1e-9:
+            raise ModelError(f"motor axis {self.axis} is no unit vector; divide it by its length")
+        if not (self.mass >= 0.0 and self.transverse_inertia >= 0.0):
+            raise ModelError(f"rotor mass {self.mass} kg or inertia {self.transverse_inertia} kg m2 is negative")
 
 
 @dataclass(frozen=True, slots=True)
 class Friction:
-    """Joint-side friction: viscous (N m s/rad) and Coulomb torque magnitudes for positive and negative speed (N m)."""
+    """Joint-side friction: viscous (N m s/rad) and Coulomb torque magnitudes for positive and negative speed (N m).
+
+    With a `stribeck_speed` (rad/s) the Coulomb torques grow by `static_ratio` towards rest.
+    """
 
     viscous: float
     coulomb_positive: float
     coulomb_negative: float
+    static_ratio: float = 1.0
+    stribeck_speed: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,6 +162,10 @@ class ArmModel:
 
     `bodies[i]` is fixed to joint i's frame. `tip` is the number of the joint that carries the tool (the last one unless
     given), `tool` the tool's pose in its frame.
+
+    `rotors` says what of the spinning rotors counts: "reflected" their inertia on the diagonal of B, "full" their
+    coupling with what carries them and the gyroscopic moments too (every motor must state its axis then). Where
+    `links_include_rotors` is false the rotors' masses and locked inertias are added to the bodies that carry them.
     """
 
     name: str
@@ -156,8 +178,12 @@ class ArmModel:
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
     poses: Mapping[str, tuple[float, ...]] = field(default_factory=dict, hash=False)
     card: str = ""
+    rotors: Literal["reflected", "full"] = "reflected"
+    links_include_rotors: bool = True
 
     def __post_init__(self) -> None:
+        if self.rotors not in ("reflected", "full"):
+            raise UnknownName("rotor model", str(self.rotors), ("reflected", "full"))
         if not self.joints:
             raise ModelError(f"arm {self.name!r} has no joints")
         if self.bodies is not None and len(self.bodies) != len(self.joints):

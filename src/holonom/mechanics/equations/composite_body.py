@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 from holonom.mechanics.equations.inertia import Inertial, merged, moved
 from holonom.mechanics.equations.kinematics import JointMotion, gather, joint_motion, spread
-from holonom.mechanics.equations.newton_euler import reflected_inertia
+from holonom.mechanics.equations.rotors import reflected_inertia, rotor_coupling
 from holonom.mechanics.equations.vectors import Vector, add, cross, dot, matvec, scale, transpose
 from holonom.model import ArmModel
 from holonom.trace import Number
 
-__all__ = ["mass_matrix"]
+__all__ = ["independent", "mass_matrix"]
 
 
 def mass_matrix(model: ArmModel, bodies: Sequence[Inertial], q: Vector) -> list[list[Number]]:
@@ -32,9 +32,11 @@ def mass_matrix(model: ArmModel, bodies: Sequence[Inertial], q: Vector) -> list[
             m = add(matvec(here.R, at_joint), cross(here.p_before, f))
             j = model.parent(j)
         B[i][i] = B[i][i] + rotor[i]
+        for j, coupling in rotor_coupling(model, motions, i):
+            B[i][j] = B[j][i] = B[i][j] + coupling
         if (parent := model.parent(i)) >= 0:
             composite[parent] = merged(composite[parent], moved(composite[i], motions[i].R, motions[i].p))
-    return _independent(model, B)
+    return independent(model, B)
 
 
 def _unit_wrench(kind: str, motion: JointMotion, body: Inertial) -> tuple[list[Number], list[Number]]:
@@ -49,8 +51,8 @@ def _unit_wrench(kind: str, motion: JointMotion, body: Inertial) -> tuple[list[N
     )
 
 
-def _independent(model: ArmModel, B: list[list[Number]]) -> list[list[Number]]:
-    """G^T B G, G being how all joints follow from the independent ones."""
+def independent(model: ArmModel, B: list[list[Number]]) -> list[list[Number]]:
+    """G^T B G for any matrix over all joints, G being how they follow from the independent ones."""
     if len(model.independent) == len(B):
         return B
     half = [gather(model, row) for row in B]

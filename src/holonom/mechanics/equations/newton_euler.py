@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from holonom.mechanics.equations.inertia import Inertial
 from holonom.mechanics.equations.kinematics import JointMotion, gather, joint_motion, split, spread
+from holonom.mechanics.equations.rotors import reflected_inertia, rotor_reaction, spin_axis
 from holonom.mechanics.equations.vectors import Vector, add, cross, dot, matmul, matvec, scale, tvec
 from holonom.model import ArmModel, Friction
 from holonom.trace import Number, less, select
@@ -14,20 +15,41 @@ from holonom.trace import Number, less, select
 _Wrench = tuple[list[Number], list[Number]]
 """Force and moment."""
 
-__all__ = ["friction_torque", "inverse_dynamics", "reflected_inertia"]
-
-
-def reflected_inertia(model: ArmModel) -> list[float]:
-    """Rotor inertia seen at each joint, gear_ratio^2 I_m (specification 2.1, rotors="reflected")."""
-    return [0.0 if j.motor is None else j.motor.gear_ratio**2 * j.motor.rotor_inertia for j in model.joints]
+__all__ = ["friction_slope", "friction_torque", "inverse_dynamics"]
 
 
 def friction_torque(friction: Friction | None, qd: Number) -> Number:
-    """Fv qd + Fs sgn(qd), with its own Coulomb torque for either direction; zero at rest."""
+    """Fv qd + Fs sgn(qd), with its own Coulomb torque for either direction; zero at rest.
+
+    Where the model states a Stribeck speed v_s, Fs grows towards rest by 1 + (ratio - 1) / (1 + (qd / v_s)^2) (Hess &
+    Soom 1990).
+    """
     if friction is None:
         return 0.0
+    return friction.viscous * qd + _coulomb(friction, qd) * _stribeck(friction, qd)
+
+
+def friction_slope(friction: Friction | None, qd: Number) -> Number:
+    """Derivative of `friction_torque` by the speed, the jump at rest left out."""
+    if friction is None:
+        return 0.0
+    if friction.stribeck_speed == 0.0:
+        return friction.viscous
+    part = _stribeck(friction, qd) - 1.0
+    steep = -2.0 / ((friction.static_ratio - 1.0) * friction.stribeck_speed**2) if friction.static_ratio != 1.0 else 0.0
+    return friction.viscous + _coulomb(friction, qd) * (part * part * qd * steep)
+
+
+def _coulomb(friction: Friction, qd: Number) -> Number:
     backward = select(less(qd, 0.0), -friction.coulomb_negative, 0.0)
-    return friction.viscous * qd + select(less(0.0, qd), friction.coulomb_positive, backward)
+    return select(less(0.0, qd), friction.coulomb_positive, backward)
+
+
+def _stribeck(friction: Friction, qd: Number) -> Number:
+    if friction.stribeck_speed == 0.0:
+        return 1.0
+    x = qd * (1.0 / friction.stribeck_speed)
+    return (friction.static_ratio - 1.0) / (x * x + 1.0) + 1.0
 
 
 def _spin(w: Vector, wd: Vector) -> list[list[Number]]:
@@ -72,17 +94,21 @@ def inverse_dynamics(
     if wrench_tool is not None:
         loads[model.tool_joint] = _sum(loads[model.tool_joint], _tool_load(model, wrench_tool))
 
-    torque: list[Number] = [0.0] * len(motions)
+    torque: list[Number] = [k * u for k, u in zip(reflected_inertia(model), accelerations, strict=True)]
+    for i in range(len(motions)):
+        if (spin := spin_axis(model, i)) is not None:
+            p = model.parent(i)
+            moment, torque_i = rotor_reaction(spin, rates[i], accelerations[i], states[p + 1].w, states[p + 1].wd)
+            torque[i] = torque[i] + torque_i
+            loads[p] = _sum(loads[p], ([0.0, 0.0, 0.0], moment))
     for i in reversed(range(len(motions))):
         motion, (f, n) = motions[i], loads[i]
         at_joint = add(n, cross(add(motion.p_after, motion.slide), f))
-        torque[i] = dot(motion.z_child, at_joint if model.joints[i].kind == "revolute" else f)
+        torque[i] = torque[i] + dot(motion.z_child, at_joint if model.joints[i].kind == "revolute" else f)
         f_parent = matvec(motion.R, f)
         if (parent := model.parent(i)) >= 0:
             inward = (f_parent, add(matvec(motion.R, at_joint), cross(motion.p_before, f_parent)))
             loads[parent] = _sum(loads[parent], inward)
-    rotor = reflected_inertia(model)
-    torque = [t + k * u for t, k, u in zip(torque, rotor, accelerations, strict=True)]
     if friction:
         torque = [t + friction_torque(j.friction, u) for t, j, u in zip(torque, model.joints, rates, strict=True)]
     return gather(model, torque)

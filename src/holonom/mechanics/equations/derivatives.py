@@ -1,0 +1,163 @@
+"""Derivatives of inverse and forward dynamics by one recursion (Singh, Russell & Wensing, RA-L 7(2), 2022).
+
+Seen from what joint j carries, turning it by dq moves the carrier back: the velocity of every carried body changes by
+S'_j = v x S_j and its acceleration by S''_j = a x S_j + v x S'_j, v and a being the carrier's. The force on a body
+answers linearly, with I S'' + 2 B S'; the torque of a joint sums that over all that both joints carry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from holonom.mechanics.equations.carried import (
+    STILL,
+    Carried,
+    Chain,
+    Twist,
+    carried,
+    chain,
+    coriolis,
+    coriolis_transposed,
+    inert,
+    moving,
+    of_bodies,
+    plus,
+    power,
+    times,
+)
+from holonom.mechanics.equations.composite_body import independent
+from holonom.mechanics.equations.coriolis import joint_coriolis
+from holonom.mechanics.equations.forward_dynamics import solve_ldl
+from holonom.mechanics.equations.inertia import Inertial
+from holonom.mechanics.equations.kinematics import gather, spread
+from holonom.mechanics.equations.newton_euler import friction_slope, friction_torque
+from holonom.mechanics.equations.rotors import reflected_inertia
+from holonom.mechanics.equations.vectors import Vector, add, cross, dot, matmul, scale
+from holonom.model import ArmModel
+from holonom.trace import Number
+
+__all__ = ["Derivatives", "forward_dynamics_derivatives", "inverse_dynamics_derivatives"]
+
+Rows = list[list[Number]]
+
+
+class Derivatives(NamedTuple):
+    """Rows (n, n) of the derivatives with respect to q, to qd, and to qdd (inverse) or tau (forward)."""
+
+    q: Rows
+    qd: Rows
+    last: Rows
+
+
+class _Body(NamedTuple):
+    """Sums over all that a joint carries, and the wrench that moves it."""
+
+    sums: Carried
+    wrench: Twist
+
+
+def inverse_dynamics_derivatives(
+    model: ArmModel, bodies: Sequence[Inertial], q: Vector, qd: Vector, qdd: Vector, *, friction: bool = False
+) -> Derivatives:
+    """d tau / d(q, qd, qdd); the last is the mass matrix."""
+    c = chain(model, q, qd)
+    each = of_bodies(c, bodies)
+    a = _accelerations(c, spread(model, qd, rates=True), spread(model, qdd, rates=True))
+    return _derivatives(c, carried(model, each), _wrenches(c, each, a), a, qd, friction)
+
+
+def forward_dynamics_derivatives(
+    model: ArmModel, bodies: Sequence[Inertial], q: Vector, qd: Vector, tau: Vector, *, friction: bool = False
+) -> Derivatives:
+    """d qdd / d(q, qd, tau) = (-B^-1 dtau/dq, -B^-1 dtau/dqd, B^-1) at the motion that the torques cause."""
+    c = chain(model, q, qd)
+    each = of_bodies(c, bodies)
+    sums = carried(model, each)
+    rates = spread(model, qd, rates=True)
+    rest = _wrenches(c, each, _accelerations(c, rates, [0.0] * len(rates)))
+    losses = [friction_torque(j.friction, u) if friction else 0.0 for j, u in zip(model.joints, rates, strict=True)]
+    bias = gather(model, [power(S, f) + loss for S, f, loss in zip(c.axis, rest, losses, strict=True)])
+    B = independent(model, _mass_matrix(c, sums))
+    qdd = solve_ldl(B, [t - b for t, b in zip(tau, bias, strict=True)])
+    a = _accelerations(c, rates, spread(model, qdd, rates=True))
+    found = _derivatives(c, sums, _wrenches(c, each, a), a, qd, friction)
+    inverse = _inverse(B)
+    minus = [scale(-1.0, row) for row in inverse]
+    return Derivatives(matmul(minus, found.q), matmul(minus, found.qd), inverse)
+
+
+def _accelerations(c: Chain, rates: Vector, accelerations: Vector) -> list[Twist]:
+    """Spatial accelerations of the base (first) and all frames: a + S qdd + S' qd; gravity is one of the base."""
+    found = [Twist(STILL.w, c.up)]
+    for i, (qd, qdd) in enumerate(zip(rates, accelerations, strict=True)):
+        own = plus(times(qdd, c.axis[i]), times(qd, c.axis_rate[i]))
+        found.append(plus(found[c.model.parent(i) + 1], own))
+    return found
+
+
+def _wrenches(c: Chain, each: Sequence[Carried], a: Sequence[Twist]) -> list[Twist]:
+    """Wrench that moves all that each joint carries: sums of I a + v x* I v."""
+    found = []
+    for body, v, a_i in zip(each, c.velocity, a[1:], strict=True):
+        momentum = inert(body.inertia, v)
+        gyroscopic = Twist(add(cross(v.w, momentum.w), cross(v.v, body.P)), cross(v.w, body.P))
+        found.append(plus(inert(body.inertia, a_i), gyroscopic))
+    for i in reversed(range(len(found))):
+        if (parent := c.model.parent(i)) >= 0:
+            found[parent] = plus(found[parent], found[i])
+    return found
+
+
+def _mass_matrix(c: Chain, sums: Sequence[Carried]) -> Rows:
+    """B over all joints: S_j . I S_i, I being what both carry."""
+    rotor = reflected_inertia(c.model)
+    B: Rows = [[0.0] * len(rotor) for _ in rotor]
+    for i in range(len(rotor)):
+        f, j = inert(sums[i].inertia, c.axis[i]), i
+        while j >= 0:
+            B[i][j] = B[j][i] = power(c.axis[j], f)
+            j = c.model.parent(j)
+        B[i][i] = B[i][i] + rotor[i]
+    return B
+
+
+def _by_position(c: Chain, sums: Sequence[Carried], wrenches: Sequence[Twist], a: Sequence[Twist]) -> Rows:
+    """Dtau/dq over all joints."""
+    n = len(c.axis)
+    swing = [  # S''
+        plus(moving(a[c.model.parent(i) + 1], c.axis[i]), moving(c.carrier[i], c.axis_rate[i])) for i in range(n)
+    ]
+    D: Rows = [[0.0] * n for _ in range(n)]
+    for i in range(n):
+        S, f, all_ = c.axis[i], wrenches[i], sums[i]
+        row, turned = inert(all_.inertia, S), scale(2.0, coriolis_transposed(all_, S))
+        turn = Twist(add(cross(S.w, f.w), cross(S.v, f.v)), cross(S.w, f.v))  # S x* f: the wrench turns with the joint
+        column = plus(plus(inert(all_.inertia, swing[i]), times(2.0, coriolis(all_, c.axis_rate[i]))), turn)
+        j = i
+        while j >= 0:
+            D[i][j] = power(swing[j], row) + dot(c.axis_rate[j].w, turned)
+            if j != i:
+                D[j][i] = power(c.axis[j], column)
+            j = c.model.parent(j)
+    return D
+
+
+def _derivatives(
+    c: Chain, sums: Sequence[Carried], wrenches: Sequence[Twist], a: Sequence[Twist], qd: Vector, friction: bool
+) -> Derivatives:
+    """Together: the bias is quadratic in qd, so dtau/dqd is 2 C, and friction's slope."""
+    model = c.model
+    by_speed = [scale(2.0, row) for row in joint_coriolis(c, sums)]
+    if friction:
+        for i, (joint, rate) in enumerate(zip(model.joints, spread(model, qd, rates=True), strict=True)):
+            by_speed[i][i] = by_speed[i][i] + friction_slope(joint.friction, rate)
+    parts = (_by_position(c, sums, wrenches, a), by_speed, _mass_matrix(c, sums))
+    return Derivatives(*(independent(model, part) for part in parts))
+
+
+def _inverse(B: Rows) -> Rows:
+    """Inverse of a symmetric positive definite matrix; its upper triangle is computed."""
+    n = len(B)
+    columns = [solve_ldl(B, [float(i == k) for i in range(n)]) for k in range(n)]
+    return [[columns[max(i, k)][min(i, k)] for k in range(n)] for i in range(n)]
