@@ -7,6 +7,7 @@ from typing import Any
 
 from holonom.errors import MissingInertia, UnknownName
 from holonom.mechanics.equations import (
+    closed_loop,
     composite_body,
     forward_dynamics,
     kinematics,
@@ -171,6 +172,7 @@ def _inverse_geometry(model: ArmModel, options: Options) -> Kernel:
 
 
 KERNELS: Mapping[str, Callable[[ArmModel, Options], Kernel]] = {
+    "closed_loop": lambda model, options: closed_loop.closed_loop_kernel(model, bodies_of(model), options),
     "fk": _fk,
     "frames": _all_frames,
     "jacobian": _jacobian,
