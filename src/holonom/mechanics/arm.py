@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import Any
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,7 +16,7 @@ from holonom.errors import InputError, ShapeError, UnknownName
 from holonom.mechanics.equations import puma_inverse
 from holonom.mechanics.equations.inertia import fixed_to_body
 from holonom.mechanics.kernels import make_kernel
-from holonom.model import ArmModel, Body, DHRow, JointLimits, arm_model_from_dh, constant_transform, preset
+from holonom.model import ArmModel, Body, DHRow, JointLimits, arm_model_from_dh, constant_transform, load_model
 from holonom.spatial import check_pose
 from holonom.trace import Kernel
 
@@ -315,15 +316,36 @@ class Arm:
         return result
 
 
-def load_arm(name: str) -> Arm:
-    """Return a preset arm.
+def load_arm(
+    source: str | Path,
+    *,
+    root: str | None = None,
+    tip: str | None = None,
+    check_inertia: bool | Literal["warn"] = True,
+    packages: Mapping[str, str | Path] | None = None,
+    arguments: Mapping[str, str] | None = None,
+) -> Arm:
+    """Return a preset arm, or one from a URDF or xacro file.
+
+    Parameters
+    ----------
+    source : a preset's name ("puma560", ...), or a file that ends in .urdf, .xml or .xacro. Meshes are never opened.
+    root, tip : links that are the base and the tool; by default the root of the tree and the link that is called or
+        placed like a tool (see `holonom.model.read_urdf`).
+    check_inertia : whether an inertia that no rigid body has is an error (True), a warning ("warn") or taken (False).
+    packages : for xacro, the folder of each package that `$(find name)` may name. A xacro file is read in a process of
+        its own that may read its own folder and these, and no environment.
+    arguments : for xacro, the values of `$(arg name)`.
 
     Raises
     ------
     UnknownName
-        No such preset; the message lists them.
+        No such preset or link; the message lists them.
+    ModelError
+        The file cannot be read or describes no arm; the message names file, line, element and what to do.
     """
-    return Arm(preset(name))
+    model = load_model(source, root=root, tip=tip, check_inertia=check_inertia, packages=packages, arguments=arguments)
+    return Arm(model)
 
 
 def arm_from_dh(

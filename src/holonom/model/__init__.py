@@ -4,6 +4,7 @@
 `ArmModel`             joints, bodies, base, tool, gravity
 `DHRow`                one row of a Denavit-Hartenberg table
 `preset`               the arms that come with Holonom
+`read_urdf`            a URDF file or text; `load_model` any of these by name or file
 =====================  ==========================================================
 """
 
@@ -20,7 +21,9 @@ from holonom.model.arm import (
     constant_transform,
 )
 from holonom.model.dh import DHRow, arm_model_from_dh, joint_from_dh
+from holonom.model.load import load_model
 from holonom.model.presets import preset, preset_names
+from holonom.model.urdf import read_urdf
 
 __all__ = [
     "ArmModel",
@@ -36,6 +39,8 @@ __all__ = [
     "arm_model_from_dh",
     "constant_transform",
     "joint_from_dh",
+    "load_model",
     "preset",
     "preset_names",
+    "read_urdf",
 ]

@@ -1,0 +1,209 @@
+"""A strict reader of URDF: what it accepts is one tree of links that can exist; what it refuses, it names by line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.errors import ModelError, UnknownName
+from holonom.model.arm import ArmModel, Body, Frame, Joint, Mimic, Motor, constant_transform
+from holonom.model.urdf_inertia import check_inertias, fixed_together
+from holonom.model.urdf_parts import UrdfJoint, UrdfLink, read_joint, read_link
+from holonom.model.urdf_transmission import read_motors
+from holonom.model.urdf_tree import by_name, in_order, root_of, tip_of
+from holonom.model.urdf_xml import MAX_BYTES, Element, fault, parse_xml
+
+__all__ = ["arm_model_from_urdf", "read_urdf"]
+
+Array = NDArray[np.float64]
+CheckInertia = bool | Literal["warn"]
+
+
+def read_urdf(
+    source: str | Path,
+    *,
+    root: str | None = None,
+    tip: str | None = None,
+    check_inertia: CheckInertia = True,
+) -> ArmModel:
+    """Return the arm that a URDF describes. Meshes are never opened.
+
+    Parameters
+    ----------
+    source : a file, or the text of one (any string with a "<").
+    root : the link that is the base; only what hangs on it is read. By default the link that no joint carries.
+    tip : the link that is the tool. By default the link called `tcp`, `tool0`, `tool`, `tool_link`, `tip`, `ee`,
+        `ee_link`, `end_effector` or `flange` (in this order, also behind a prefix as in `left_tool0`); of several, or
+        where none is so called, the one behind the most joints that move on their own, then behind the most links,
+        then the first in the file.
+    check_inertia : whether an inertia that no rigid body has is an error (True), a warning ("warn") or read as it is.
+
+    Returns
+    -------
+    ArmModel
+        The base is the root link; joints stand in document order, those that carry others first; joint frames are the
+        frames of the links they carry; links on fixed joints are merged into the body that carries them. Every link is
+        a `Frame` (it wins over a built-in name such as "link1"). A continuous joint is revolute without position
+        limits; a joint that mimics another is not part of q. `damping` and `friction` become `Friction`, a
+        transmission's reduction (and rotor inertia, where stated) `Motor`. Without any mass that can move,
+        `bodies` is None: kinematics only. Angles within 1e-11 rad of a quarter turn are taken as the quarter turn.
+
+    Raises
+    ------
+    ModelError
+        Not XML, not a URDF, no tree, or impossible values; with file, line and what to do.
+    UnknownName
+        No link `root` or `tip`.
+    """
+    if isinstance(source, str) and "<" in source:
+        robot = parse_xml(source, "URDF text")
+    else:
+        robot = parse_xml(_bytes_of(Path(source)), str(source))
+    return arm_model_from_urdf(robot, root=root, tip=tip, check_inertia=check_inertia)
+
+
+def _bytes_of(path: Path) -> bytes:
+    try:
+        with path.open("rb") as file:
+            return file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise ModelError(f"{path}: cannot be read ({error.strerror}); give a URDF file or its text") from None
+
+
+def arm_model_from_urdf(
+    robot: Element, *, root: str | None = None, tip: str | None = None, check_inertia: CheckInertia = True
+) -> ArmModel:
+    """Return the arm of a parsed <robot>; see `read_urdf`."""
+    _check_robot(robot)
+    links = by_name([read_link(element) for element in robot.all("link")])
+    joints = by_name([read_joint(element) for element in robot.all("joint")])
+    found = root_of(links, list(joints.values()), robot.source)
+    root = _known_link(root or found, links)
+    ordered = in_order(list(joints.values()), root)
+    moving = [joint for joint in ordered if joint.kind != "fixed"]
+    if not moving:
+        raise fault(robot, f"no joint below link {root!r} moves; an arm needs a revolute or prismatic joint")
+    places = _places(ordered, root)
+    check_inertias(links.values(), {name for name, place in places.items() if place.joint >= 0}, check_inertia)
+    tool = places[_tip(tip, ordered, root, links, places)]
+    return ArmModel(
+        robot.word("name"),
+        _joints(moving, places, read_motors(robot, joints)),
+        _bodies(links, places, len(moving)),
+        tip=tool.joint,
+        tool=constant_transform(tool.pose),
+        frames=tuple(Frame(name, place.joint, constant_transform(place.pose)) for name, place in places.items()),
+        card=f"Read from {robot.source}.",
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """Where a link is: the number of the moving joint that carries it (-1: the base) and its pose in that frame."""
+
+    joint: int
+    pose: Array
+
+
+def _check_robot(robot: Element) -> None:
+    if robot.tag != "robot":
+        raise fault(robot, f"the document is a <{robot.tag}>; a URDF is a <robot>")
+    robot.refuse_misspelt(("link", "joint", "material", "transmission", "gazebo"))
+    for child in robot.children:
+        if child.tag.startswith("xacro:"):
+            raise fault(child, f"<{child.tag}>: this is xacro, not URDF; name the file *.xacro and use load_arm")
+
+
+def _known_link(name: str, links: dict[str, UrdfLink]) -> str:
+    if name not in links:
+        raise UnknownName("link", name, links)
+    return name
+
+
+def _places(ordered: Sequence[UrdfJoint], root: str) -> dict[str, _Place]:
+    places = {root: _Place(-1, np.eye(4))}
+    count = 0
+    for joint in ordered:
+        carrier = places[joint.parent]
+        if joint.kind == "fixed":
+            places[joint.child] = _Place(carrier.joint, carrier.pose @ joint.pose)
+        else:
+            places[joint.child] = _Place(count, np.eye(4))
+            count += 1
+    return places
+
+
+def _joints(moving: Sequence[UrdfJoint], places: dict[str, _Place], motors: dict[str, Motor]) -> tuple[Joint, ...]:
+    joints = []
+    for joint in moving:
+        carrier = places[joint.parent]
+        A = _frame_along(joint.axis)
+        joints.append(
+            Joint(
+                joint.name,
+                "prismatic" if joint.kind == "prismatic" else "revolute",
+                before=constant_transform(carrier.pose @ joint.pose @ A),
+                after=constant_transform(A.T),
+                limits=joint.limits,
+                motor=motors.get(joint.name),
+                friction=joint.friction,
+                parent=carrier.joint,
+                mimic=_mimic(joint, moving),
+            )
+        )
+    return tuple(joints)
+
+
+def _frame_along(axis: tuple[float, float, float]) -> Array:
+    """A rotation (4, 4) that takes z to the axis; for an axis along x, y or z it only permutes and flips."""
+    T = np.eye(4)
+    z = np.array(axis)
+    if axis != (0.0, 0.0, 1.0):
+        x = np.cross(np.eye(3)[np.argmin(np.abs(z))], z)
+        x /= np.linalg.norm(x)
+        T[:3, :3] = np.column_stack([x, np.cross(z, x), z])
+    return T
+
+
+def _mimic(joint: UrdfJoint, moving: Sequence[UrdfJoint]) -> Mimic | None:
+    if joint.mimic is None:
+        return None
+    names = [other.name for other in moving]
+    if joint.mimic.joint not in names:
+        unknown = UnknownName("moving joint", joint.mimic.joint, names)
+        raise fault(joint.mimic.element, f"joint {joint.name!r} mimics an unknown joint: {unknown}")
+    number = names.index(joint.mimic.joint)
+    if (other := moving[number]).mimic is not None:
+        raise fault(
+            joint.mimic.element,
+            f"joint {joint.name!r} mimics {other.name!r}, which mimics {other.mimic.joint!r}; "
+            "name the joint that moves on its own, with the factors multiplied",
+        )
+    return Mimic(number, joint.mimic.multiplier, joint.mimic.offset)
+
+
+def _bodies(links: dict[str, UrdfLink], places: dict[str, _Place], count: int) -> tuple[Body, ...] | None:
+    parts: list[list[tuple[Body, Array]]] = [[] for _ in range(count)]
+    for name, place in places.items():
+        body = links[name].body
+        if place.joint >= 0 and body is not None and body.mass > 0:
+            parts[place.joint].append((body, place.pose))
+    return tuple(fixed_together(part) for part in parts) if any(parts) else None
+
+
+def _tip(
+    tip: str | None,
+    ordered: Sequence[UrdfJoint],
+    root: str,
+    links: dict[str, UrdfLink],
+    places: dict[str, _Place],
+) -> str:
+    name = _known_link(tip_of(ordered, root) if tip is None else tip, links)
+    if name not in places or places[name].joint < 0:
+        raise fault(links[name].element, f"tip {name!r} is not moved by any joint; name a link behind a moving joint")
+    return name

@@ -1,0 +1,178 @@
+"""XML with line numbers, read by expat without document types: no entity is ever expanded, no other file opened."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from xml.parsers import expat
+
+from holonom.errors import ModelError
+
+__all__ = ["MAX_BYTES", "Element", "Origin", "fault", "parse_xml"]
+
+MAX_BYTES = 16 * 2**20
+MAX_DEPTH = 64
+MAX_ELEMENTS = 200_000
+
+Origin = tuple[str, int]
+"""File and line that an element was written at."""
+
+
+@dataclass(slots=True)
+class Element:
+    """An XML element: where it stands, its attributes, its children."""
+
+    tag: str
+    source: str
+    line: int
+    attributes: dict[str, str]
+    children: list[Element] = field(default_factory=list)
+    text: str = ""
+
+    def all(self, tag: str) -> list[Element]:
+        """Children of a tag."""
+        return [child for child in self.children if child.tag == tag]
+
+    def one(self, tag: str) -> Element | None:
+        """The child of a tag, if there is one; two are an error."""
+        found = self.all(tag)
+        if len(found) > 1:
+            raise fault(found[1], f"{self.called()} has a second <{tag}>; keep one of them")
+        return found[0] if found else None
+
+    def need(self, tag: str, why: str) -> Element:
+        """The child of a tag; `why` says what to do where it is missing."""
+        found = self.one(tag)
+        if found is None:
+            raise fault(self, f"{self.called()} has no <{tag}>; {why}")
+        return found
+
+    def called(self) -> str:
+        """How a message names the element: tag and name."""
+        name = self.attributes.get("name")
+        return f"<{self.tag}>" if name is None else f"{self.tag} {name!r}"
+
+    def word(self, attribute: str) -> str:
+        """A text attribute that must be there and not be empty."""
+        value = self.attributes.get(attribute, "").strip()
+        if not value:
+            raise fault(self, f'<{self.tag}> needs {attribute}="..."; it is missing or empty')
+        return value
+
+    def number(self, attribute: str, default: float | None = None) -> float:
+        """A finite number; without `default` it must be there."""
+        if attribute not in self.attributes and default is not None:
+            return default
+        return _finite(self, attribute, self.word(attribute))
+
+    def numbers(self, attribute: str, default: tuple[float, float, float]) -> tuple[float, float, float]:
+        """Three finite numbers."""
+        if attribute not in self.attributes:
+            return default
+        words = self.attributes[attribute].split()
+        if len(words) != 3:
+            raise fault(self, f'<{self.tag}> {attribute}="{self.attributes[attribute]}": three numbers are needed')
+        x, y, z = (_finite(self, attribute, word) for word in words)
+        return x, y, z
+
+    def refuse_misspelt(self, known: Iterable[str]) -> None:
+        """Refuse a child whose tag is close to a known one: it would be passed over silently."""
+        names = list(known)
+        for child in self.children:
+            close = difflib.get_close_matches(child.tag, names, n=1, cutoff=0.75)
+            if close and child.tag not in names:
+                raise fault(child, f"{self.called()} has <{child.tag}>, which says nothing; did you mean <{close[0]}>?")
+
+
+def _finite(element: Element, attribute: str, word: str) -> float:
+    try:
+        value = float(word)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value) or "_" in word:
+        raise fault(element, f'<{element.tag}> {attribute}="{word}": a finite number is needed')
+    return value
+
+
+def fault(element: Element, what: str) -> ModelError:
+    """Return an error that starts with the element's file and line."""
+    return ModelError(f"{element.source}, line {element.line}: {what}")
+
+
+def parse_xml(content: str | bytes, source: str, origins: Sequence[Origin] | None = None) -> Element:
+    """Return the root element.
+
+    Parameters
+    ----------
+    content : the document; bytes may state their encoding.
+    source : what messages call it, a file name.
+    origins : where each element was written, in document order, for a document that a macro processor wrote.
+
+    Raises
+    ------
+    ModelError
+        Not XML; a document type (and with it any entity); too large or too deep.
+    """
+    if len(content) > MAX_BYTES:
+        raise ModelError(f"{source}: {len(content)} bytes or more; at most {MAX_BYTES} are read")
+    reader = _Reader(source, origins, "utf-8" if isinstance(content, str) else None)
+    return reader.read(content.encode() if isinstance(content, str) else content)
+
+
+class _Reader:
+    """Builds the tree from expat's events."""
+
+    def __init__(self, source: str, origins: Sequence[Origin] | None, encoding: str | None) -> None:
+        self._source, self._origins = source, origins
+        self._open: list[Element] = []
+        self._root: Element | None = None
+        self._count = 0
+        self._parser = expat.ParserCreate(encoding)
+        self._parser.buffer_text = True
+        self._parser.StartElementHandler = self._start
+        self._parser.EndElementHandler = self._end
+        self._parser.CharacterDataHandler = self._text
+        self._parser.StartDoctypeDeclHandler = self._doctype
+
+    def read(self, content: bytes) -> Element:
+        try:
+            self._parser.Parse(content, True)
+        except expat.ExpatError as error:
+            problem = expat.ErrorString(error.code)
+            raise ModelError(
+                f"{self._source}, line {error.lineno}, column {error.offset + 1}: not well-formed XML ({problem})"
+            ) from None
+        except (LookupError, UnicodeError) as error:
+            raise ModelError(f"{self._source}, line 1: not well-formed XML ({error}); save the file as UTF-8") from None
+        assert self._root is not None  # expat calls an empty document ill-formed
+        return self._root
+
+    def _here(self) -> Origin:
+        if self._origins is not None and self._count < len(self._origins):
+            return self._origins[self._count]
+        return self._source, self._parser.CurrentLineNumber
+
+    def _start(self, tag: str, attributes: dict[str, str]) -> None:
+        element = Element(tag, *self._here(), attributes)
+        self._count += 1
+        if len(self._open) >= MAX_DEPTH or self._count > MAX_ELEMENTS:
+            raise fault(element, f"more than {MAX_DEPTH} levels or {MAX_ELEMENTS} elements; no robot needs that")
+        if self._open:
+            self._open[-1].children.append(element)
+        else:
+            self._root = element
+        self._open.append(element)
+
+    def _end(self, tag: str) -> None:
+        self._open.pop()
+
+    def _text(self, text: str) -> None:
+        self._open[-1].text += text
+
+    def _doctype(self, name: str, system: str | None, public: str | None, internal: bool) -> None:
+        raise ModelError(
+            f"{self._source}, line {self._parser.CurrentLineNumber}: a document type (<!DOCTYPE {name}>) is not "
+            "accepted, for its entities can read files and grow without bound; delete it"
+        )

@@ -1,0 +1,224 @@
+"""The process that expands one xacro file. Run as a script: a request as JSON comes in, the URDF as JSON goes out.
+
+xacro evaluates Python expressions and reads files that a robot description names. Here it works behind two fences:
+expressions may not reach for what starts with an underscore (nor for frames and code), and an audit hook refuses
+every event that expanding XML does not need, above all opening files outside the given folders and writing any. The
+environment is empty. Imports nothing of Holonom.
+"""
+
+from __future__ import annotations
+
+import ast
+import glob  # noqa: F401  (loaded before the fence stands)
+import json
+import os
+import re
+import sys
+import types
+from collections.abc import Mapping, Sequence
+from typing import Any
+from xml.dom import expatbuilder, minidom
+from xml.parsers import expat
+
+import xacro  # type: ignore[import-untyped]
+import xacro.substitution_args  # type: ignore[import-untyped]
+import yaml  # type: ignore[import-untyped]  # noqa: F401  (loaded before the fence stands)
+
+__all__: list[str] = []
+
+MEMORY = 2 * 2**30
+HARMLESS = {
+    "builtins.id",
+    "code.__new__",
+    "compile",
+    "exec",
+    "glob.glob",
+    "glob.glob/2",
+    "object.__getattr__",
+    "sys._getframe",
+    "sys.excepthook",
+}
+FRAMES = re.compile(r"_|(gi|ag|cr|tb|f|co)_|mro$|format$|format_map$")
+"""Attributes that lead from an expression into the interpreter."""
+
+
+class Refused(Exception):
+    """Something that a xacro file may not do."""
+
+
+class Located(Exception):
+    """A problem at a known place."""
+
+    def __init__(self, message: str, file: str, line: int) -> None:
+        super().__init__(message)
+        self.file, self.line = file, line
+
+
+def _raise_fence(folders: Sequence[str]) -> None:
+    """Refuse every audited event but harmless ones and reading inside the folders. It stands until the process ends."""
+    inside = tuple(os.path.join(folder, "") for folder in folders)
+    allowed = ", ".join(folders)
+
+    def hook(event: str, arguments: tuple[Any, ...]) -> None:
+        if event in HARMLESS:
+            return
+        if event in ("open", "os.listdir", "os.scandir") and isinstance(arguments[0], str | bytes):
+            path = os.path.realpath(os.fsdecode(arguments[0]))
+            writes = event == "open" and arguments[2] & (os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC)
+            if not writes and (path + os.sep).startswith(inside):
+                return
+            raise Refused(
+                f"reading {path} is refused: a xacro file may read in {allowed} only; "
+                "copy the file there, or name its folder in packages="
+            )
+        raise Refused(f"{event} is refused: a xacro file may compute and read files of its folder, nothing else")
+
+    sys.addaudithook(hook)
+
+
+def _limit_memory() -> None:
+    try:
+        import resource
+    except ImportError:  # not on this system
+        return
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+
+
+def _checked_eval(expression: str, symbols: dict[str, Any], local: Mapping[str, Any] | None = None) -> Any:
+    """xacro's own evaluation, after a look at every name in the expression, nested ones too."""
+    for node in ast.walk(ast.parse(expression.strip(), mode="eval")):
+        if isinstance(node, ast.Attribute) and FRAMES.match(node.attr):
+            raise Refused(f"attribute {node.attr!r} in an expression is refused")
+        if isinstance(node, ast.Name) and node.id.startswith("__"):
+            raise Refused(f"name {node.id!r} in an expression is refused")
+    symbols.update(__builtins__={})
+    return eval(compile(expression.strip(), "<expression>", "eval"), symbols, local)
+
+
+def _no_eval(expression: str, context: object) -> str:
+    raise Refused(f"$(eval {expression}) is refused; write ${{{expression}}}")
+
+
+def _no_environment(resolved: str, command: str, arguments: Sequence[str], context: object) -> str:
+    raise Refused(
+        f"$({command}) is refused: the environment is not read; pass a value in arguments= and use $(arg ...)"
+    )
+
+
+class _Builder(expatbuilder.ExpatBuilder):
+    """minidom's own builder; elements remember file and line, document types are refused."""
+
+    def __init__(self, file: str) -> None:
+        super().__init__()
+        self.file = file
+
+    def start_doctype_decl_handler(self, *_: object) -> None:
+        raise Located("a document type (<!DOCTYPE ...>) is not accepted; delete it", self.file, self._line())
+
+    def start_element_handler(self, name: str, attributes: Any) -> None:
+        super().start_element_handler(name, attributes)
+        self.curNode.setUserData("origin", (self.file, self._line()), _Copied)
+
+    def _line(self) -> int:
+        return int(self.getParser().CurrentLineNumber)
+
+
+class _Copied:
+    """Passes an element's origin on to its copies: the handler that `setUserData` asks for."""
+
+    @staticmethod
+    def handle(operation: int, key: str, origin: tuple[str, int], source: Any, copy: Any) -> None:
+        if copy is not None:
+            copy.setUserData(key, origin, _Copied)
+
+
+def _parse(_: object, file: str) -> Any:
+    """Take the place of `xacro.parse`, which keeps no line numbers."""
+    try:
+        with open(file, "rb") as opened:
+            return _Builder(file).parseString(opened.read())
+    except expat.ExpatError as error:
+        problem = f"not well-formed XML ({expat.ErrorString(error.code)}), column {error.offset + 1}"
+        raise Located(problem, file, error.lineno) from None
+    except OSError as error:
+        xacro.filestack.pop()
+        raise xacro.XacroException(f"{error.strerror}: {file}", exc=error) from None
+
+
+def _expand(request: dict[str, Any]) -> dict[str, Any]:
+    packages = request["packages"]
+
+    def share_directory(name: str) -> str:
+        if name not in packages:
+            known = ", ".join(sorted(packages)) or "none"
+            raise Refused(f"$(find {name}): no such package; packages= names {known}. Add its folder there")
+        return str(packages[name])
+
+    finder = types.ModuleType("ament_index_python.packages")
+    finder.get_package_share_directory = share_directory  # type: ignore[attr-defined]
+    sys.modules["ament_index_python"] = types.ModuleType("ament_index_python")
+    sys.modules[finder.__name__] = finder
+    xacro.parse, xacro.safe_eval = _parse, _checked_eval
+    xacro.substitution_args._eval = _no_eval
+    xacro.substitution_args._env = xacro.substitution_args._optenv = _no_environment
+    _limit_memory()
+    _raise_fence([os.path.dirname(request["file"]), *packages.values()])
+    document = xacro.process_file(request["file"], mappings=request["arguments"], verbosity=0)
+    return {"urdf": document.documentElement.toxml(), "origins": _origins(document.documentElement, request["file"])}
+
+
+def _origins(root: Any, file: str) -> list[tuple[str, int]]:
+    """Origin of every element in document order; one that a macro made up has that of the element around it."""
+    found = []
+    waiting = [(root, (file, 1))]
+    while waiting:
+        element, around = waiting.pop()
+        origin = element.getUserData("origin") or around
+        found.append(origin)
+        inner = [(child, origin) for child in element.childNodes if child.nodeType == minidom.Node.ELEMENT_NODE]
+        waiting += reversed(inner)
+    return found
+
+
+def _cause(error: BaseException) -> BaseException:
+    """What xacro's own exceptions are wrapped around."""
+    while (inner := getattr(error, "exc", None)) is not None:
+        error = inner
+    return error
+
+
+def _place(error: BaseException, file: str) -> tuple[str, int]:
+    """File and line of the innermost element that was worked on."""
+    place = (file, 1)
+    trace = error.__traceback__
+    while trace is not None:
+        values = trace.tb_frame.f_locals
+        for name in ("node", "elt", "tag"):
+            ask = getattr(values.get(name), "getUserData", None)
+            place = (ask and ask("origin")) or place
+        trace = trace.tb_next
+    return place
+
+
+def _answer(request: dict[str, Any]) -> dict[str, Any]:
+    try:
+        return _expand(request)
+    except Located as error:
+        return {"error": str(error), "file": error.file, "line": error.line}
+    except Exception as error:  # whatever a xacro file brings about is an error of that file
+        file, line = _place(error, request["file"])
+        return {"error": _message(error), "file": file, "line": line}
+
+
+def _message(error: BaseException) -> str:
+    cause = _cause(error)
+    if isinstance(cause, MemoryError):
+        return f"more than {MEMORY >> 20} MiB are needed to expand it"
+    if isinstance(cause, OSError):
+        return f"{cause.filename}: {cause.strerror}"
+    message = str(cause if isinstance(cause, Refused) else error)
+    return " ".join(message.split()) or type(error).__name__
+
+
+if __name__ == "__main__":
+    print(json.dumps(_answer(json.load(sys.stdin))))
