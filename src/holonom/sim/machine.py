@@ -165,7 +165,7 @@ class SimulatedMachine:
         self.arm = plant.arm
         self._sink, self._look, self._ready = sink, look, ready
         self._planned = _standing(plant.q)
-        self._consumed = 0
+        self._consumed = len(self._planned.q)
         self._line_before = 0
         self._blend = True
         self._tolerance = "coarse"

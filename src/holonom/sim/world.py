@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,6 +19,8 @@ GRAVITY = 9.81
 RESTING, HELD, FALLING = "resting", "held", "falling"
 LEAST_OVERLAP = 0.3e-3
 """Height (m) over which fingertips and disc must overlap for a grasp."""
+LEVEL = math.cos(math.radians(10.0))
+"""Cosine of the largest angle between the axes of a hand and a disc that it can grasp."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,25 +116,32 @@ class World:
         before = self.opening
         self.opening = max(self.opening - way, self._wanted, self._blocked)
         if held is None and self.opening < before:
-            return self._try_grasp(T_wt)
+            return self._squeeze(T_wt)
         return []
 
-    def _try_grasp(self, T_wt: Array) -> list[str]:
-        """Close on a disc once the fingers are down to its diameter; the fingers push it to their middle."""
+    def _squeeze(self, T_wt: Array) -> list[str]:
+        """Push a disc to the middle of the closing fingers, and hold it once both are on it."""
         to_tool = inverse(T_wt)
         for disc in self.discs:
-            if disc.state != RESTING:
-                continue
             in_tool = to_tool @ disc.pose
-            x, y, z = in_tool[:3, 3]
-            overlap = disc.thickness / 2 + z  # of disc and fingertips, which end at z = 0
-            between = abs(x) < self.gripper.finger_width / 2 and abs(y) < disc.radius and overlap > LEAST_OVERLAP
-            if between and z < 0.02 and self.opening <= 2.0 * disc.radius:
-                in_tool[1, 3] = 0.0
+            if disc.state != RESTING or not self._between_fingers(disc, in_tool):
+                continue
+            room = max(self.opening / 2 - disc.radius, 0.0)
+            if abs(in_tool[1, 3]) > room:
+                in_tool[1, 3] = np.clip(in_tool[1, 3], -room, room)
+                disc.pose = T_wt @ in_tool
+            if room == 0.0:
                 disc.state, disc.in_tool = HELD, in_tool
                 self._blocked = self.opening = 2.0 * disc.radius
                 return [f"grasped {disc.name}"]
         return []
+
+    def _between_fingers(self, disc: Disc, in_tool: Array) -> bool:
+        """Whether a disc's edges face both fingers, high enough on the disc, with hand and disc level."""
+        x, y, z = in_tool[:3, 3]
+        overlap = disc.thickness / 2 - z  # of disc and fingers, which end at z = 0
+        beside = abs(x) < self.gripper.finger_width / 2 and abs(y) < disc.radius
+        return bool(beside and overlap > LEAST_OVERLAP and abs(in_tool[2, 2]) > LEVEL)
 
     def _fall(self, disc: Disc, dt: float) -> list[str]:
         disc.fall_speed += GRAVITY * dt
