@@ -1,11 +1,12 @@
-"""Inverse and forward dynamics of a six-joint arm in batches, one thread, from three separate (N, 6) arrays."""
+"""Inverse and forward dynamics in batches, one thread, from three separate (N, n) arrays; medians over the robots."""
 
 from __future__ import annotations
 
 import numpy as np
 from peers import peer, pinocchio_model
+from robots import medians
 
-from holonom import load_arm
+from holonom import Arm
 from holonom.app.bench import Figure, Setting, seconds
 
 SIZES = (4096, 65536)
@@ -16,18 +17,24 @@ def measure(setting: Setting) -> list[Figure]:
 
 
 def _at(rows: int, setting: Setting) -> list[Figure]:
-    arm, pin = load_arm("puma560"), peer("pinocchio")
-    motion = setting.rng.uniform(-3.0, 3.0, (3, rows, 6))
+    inverse, rnea, forward, aba = medians(lambda arm: _times(arm, rows, setting))
+    assert inverse is not None
+    assert forward is not None
+    return [
+        Figure(f"inverse dynamics, {rows} rows", inverse, "ns", "Pinocchio rneaInParallel(1)", rnea, goal=20.0),
+        Figure(f"forward dynamics, {rows} rows", forward, "ns", "Pinocchio abaInParallel(1)", aba, goal=20.0),
+    ]
+
+
+def _times(arm: Arm, rows: int, setting: Setting) -> list[float | None]:
+    """Nanoseconds per sample: inverse dynamics, Pinocchio's, forward dynamics, Pinocchio's."""
+    motion = setting.rng.uniform(-3.0, 3.0, (3, rows, arm.n))
     q, qd, x = motion
-    out = np.empty((rows, 6))
+    out, pin = np.empty((rows, arm.n)), peer("pinocchio")
     inverse = seconds(lambda: arm.inverse_dynamics(q, qd, x, out=out), setting) / rows
+    rnea = _pinocchio(pin, arm, "rneaInParallel", motion, setting)
     forward = seconds(lambda: arm.forward_dynamics(q, qd, x, out=out), setting) / rows
-    figures = []
-    for name, ours, theirs in (("inverse", inverse, "rneaInParallel"), ("forward", forward, "abaInParallel")):
-        reference = _pinocchio(pin, arm, theirs, motion, setting)
-        what = f"{name} dynamics, {rows} rows"
-        figures.append(Figure(what, 1e9 * ours, "ns", f"Pinocchio {theirs}", reference, goal=20.0))
-    return figures
+    return [1e9 * inverse, rnea, 1e9 * forward, _pinocchio(pin, arm, "abaInParallel", motion, setting)]
 
 
 def _pinocchio(pin, arm, verb: str, rows, setting: Setting) -> float | None:
