@@ -19,7 +19,7 @@ from demo_cell import (
 )
 
 from holonom.errors import DriveFault, MotionError
-from holonom.lang import Machine, Part, compile_program
+from holonom.lang import Machine, Motion, Part, compile_program
 from holonom.signals import DriveState, Event, FramePoses, JointCommand, JointState, Signal
 from holonom.sim import SimulatedMachine
 
@@ -173,7 +173,7 @@ def test_a_drive_fault_ends_at_rest() -> None:
         (motion(np.zeros(5), kind="line"), r"\(5,\)"),
     ],
 )
-def test_what_cannot_be_made_is_a_motion_error_on_both(wanted: object, said: str) -> None:
+def test_what_cannot_be_made_is_a_motion_error_on_both(wanted: Motion, said: str) -> None:
     machine, _ = make_machine()
     with pytest.raises(MotionError, match=said):
         machine.move(wanted)

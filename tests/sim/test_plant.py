@@ -109,21 +109,29 @@ def test_time_in_one_piece_or_in_many() -> None:
     assert a.states.tobytes() == b.states.tobytes()
 
 
-def test_a_tool_pressed_on_the_table() -> None:
-    """At rest the table's spring carries what presses on it; the tool has sunk by that force over the stiffness."""
-    z = float(ARM.fk(HOME)[2, 3])
-    ground = Ground(height=z - 1e-3)
+def press(ground: Ground) -> Plant:
+    """Send the tool straight down by 3 mm, slowly, and keep it there."""
     plant = make_plant("cascade", ground=ground)
-    J = ARM.jacobian(HOME)
-    down = np.linalg.solve(J, [0.0, 0.0, -1.5e-3, 0.0, 0.0, 0.0])
-    for part in np.linspace(0.0, 1.0, 40):
+    down = np.linalg.solve(ARM.jacobian(HOME), [0.0, 0.0, -3e-3, 0.0, 0.0, 0.0])
+    for part in np.linspace(0.0, 1.0, 60):
         stand(plant, HOME + part * down, 0.1)
     stand(plant, HOME + down, 1.0)
-    sunk = ground.height - float(ARM.fk(plant.q)[2, 3])
-    assert 0.0 < sunk < 0.5e-3 + 1e-4
-    assert plant.touch >= ground.stiffness * sunk * (1 - 1e-6)
-    assert plant.touch < 3.0 * ground.stiffness * sunk
-    assert make_plant().touch == 0.0
+    return plant
+
+
+def test_a_tool_pressed_on_the_table() -> None:
+    """At rest the motors push with the force that the table's spring returns at the depth of the tool."""
+    ground = Ground(height=float(ARM.fk(HOME)[2, 3]) - 1e-3)
+    pressed, free = press(ground), press(Ground())
+    sunk = ground.height - float(ARM.fk(pressed.q)[2, 3])
+    assert sunk == pytest.approx(2e-3, abs=1e-4)
+    force = ground.stiffness * sunk
+    assert pressed.touch == pytest.approx(force, rel=0.05)
+    assert free.touch == 0.0
+    torque = PER_AMPERE * (pressed.states["current"] - free.states["current"])
+    wanted = ARM.jacobian(HOME)[2] * -force
+    assert wanted[1] < -10.0
+    np.testing.assert_allclose(torque[1:3], wanted[1:3], rtol=0.25)
 
 
 def test_settings_name_the_controllers() -> None:
