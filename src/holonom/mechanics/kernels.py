@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from holonom.errors import MissingInertia, UnknownName
+from holonom.mechanics import pose_kernels
 from holonom.mechanics.equations import (
     closed_loop,
     composite_body,
@@ -181,6 +182,8 @@ KERNELS: Mapping[str, Callable[[ArmModel, Options], Kernel]] = {
     "mass_matrix": _mass_matrix,
     "gravity": _gravity,
     "inverse_geometry": _inverse_geometry,
+    "pose_task": pose_kernels.task,
+    "criterion": pose_kernels.criterion,
 }
 
 

@@ -1,0 +1,282 @@
+"""Numerical inverse kinematics of any chain: Levenberg-Marquardt with joint limits, restarts and nullspace criteria."""
+
+from __future__ import annotations
+
+import math
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError, UnknownName
+from holonom.mechanics.arm import Arm
+from holonom.mechanics.equations.criteria import CRITERIA, Criterion
+from holonom.mechanics.pose_kernels import multipliers_kernel
+from holonom.model import ArmModel
+from holonom.spatial import check_pose
+
+if TYPE_CHECKING:
+    from holonom.mechanics.solver_kernels import Chain, Search
+
+__all__ = ["InverseResult", "InverseStatus", "solve_inverse"]
+
+Array = NDArray[np.float64]
+CHUNK = 32
+"""Poses that a thread takes at a time."""
+
+
+class InverseStatus(IntEnum):
+    """What became of a pose."""
+
+    OK = 0
+    NOT_CONVERGED = 1
+    LIMIT = 2
+
+
+@dataclass(frozen=True, slots=True)
+class InverseResult:
+    """Joint vectors for poses.
+
+    q : (..., n) rad or m; status : (...) int8, an `InverseStatus`; residual : (...) length of the pose error (m and
+    rad, the rows that count); iterations : (...) steps over all attempts.
+    OK: the pose of q was computed and lies within the tolerance. Else q is the best that was found: NOT_CONVERGED, or
+    LIMIT where that search ended pressed against joint limits.
+    """
+
+    q: Array
+    status: NDArray[np.int8]
+    residual: Array
+    iterations: NDArray[np.int64]
+
+
+def solve_inverse(
+    arm: Arm,
+    T: ArrayLike,
+    q0: ArrayLike | None = None,
+    *,
+    limits: bool = True,
+    tolerance: float = 1e-6,
+    restarts: int = 200,
+    steps: int = 30,
+    weights: ArrayLike | None = None,
+    weights_frame: str | None = None,
+    criterion: str | Criterion | None = None,
+    preferred: ArrayLike | None = None,
+    seed: int = 0,
+    threads: int = 1,
+) -> InverseResult:
+    """Find joints that bring the tool to poses, for any arm; every pose is searched on its own.
+
+    Parameters
+    ----------
+    T : (..., 4, 4), T_wt.
+    q0 : (..., n) start of the first attempt, by default the middle of the limits. An arm that moves a little from one
+        pose to the next is solved in two or three steps from its last joints.
+    limits : whether the joints must stay within their limits. Joints without limits start within half a turn.
+    tolerance : length of the pose error (m and rad) that counts as reached.
+    restarts : attempts after the first, from a low-discrepancy sequence in the box of the limits.
+    steps : most steps of one attempt.
+    weights : (6,) of the error's rows, position then rotation vector; 0 leaves a row free: (1, 1, 1, 0, 0, 0) asks
+        for the position only, (1, 1, 1, 1, 1, 0) in the tool frame leaves the turn about the tool's z axis free.
+    weights_frame : "world" or "tool", required with `weights`.
+    criterion : what a redundant arm prefers among its solutions: "limits" (far from them), "manipulability",
+        "posture" (near `preferred`), or a function (model, q, preferred) -> number over traced scalars. It is climbed
+        in the nullspace of the solution found, to a local maximum within the joint limits.
+    preferred : (..., n) for the criterion; `q0`, or the middle of the limits, by default.
+    seed : number of the first point of the sequence. The same call gives the same joints, whatever `threads` is.
+    threads : threads that share a batch.
+
+    Raises
+    ------
+    NotAPose, ShapeError, OutOfLimits, UnknownName, InputError
+        `T` is no rigid transform; `q0` has another shape, NaN, or leaves the limits; no such criterion; ...
+
+    Notes
+    -----
+    Damping proportional to the squared error: Chan & Lawrence, ICRA 1988; Sugihara, IEEE T-RO 27 (2011).
+    """
+    _check_settings(tolerance, restarts, steps, seed, threads)
+    goals, lead = _goals(T)
+    chain = _chain(arm, limits)
+    starts = _starts(arm, "q0", q0, lead)
+    if limits and q0 is not None:
+        _check_limits(arm, starts, lead)
+    search = _search(arm, tolerance, restarts + 1, steps, seed, weights, weights_frame, criterion)
+    wanted = starts if preferred is None else _starts(arm, "preferred", preferred, lead)
+    if not wanted.shape[0] and search.criterion:
+        wanted = np.broadcast_to(chain.origin + 0.5 * chain.span, (goals.shape[0], arm.n)).copy()
+    result = _run(chain, search, goals, starts, wanted, threads)
+    status, residual = result.status.reshape(lead), result.residual.reshape(lead)
+    return InverseResult(result.q.reshape(*lead, arm.n), status, residual, result.iterations.reshape(lead))
+
+
+def _run(chain: Chain, search: Search, goals: Array, starts: Array, wanted: Array, threads: int) -> InverseResult:
+    from holonom.mechanics.solver_kernels import solve_rows
+
+    count, n = goals.shape[0], chain.lower.shape[0]
+    inputs = goals.reshape(-1), starts.reshape(-1), wanted.reshape(-1)
+    q, residual = np.empty((count, n)), np.empty(count)
+    status, iterations = np.empty(count, np.int8), np.empty(count, np.int64)
+
+    def part(first: int) -> None:
+        last = min(first + size, count)
+        solve_rows(chain, search, *inputs, q.reshape(-1), status, residual, iterations, first, last)
+
+    size = CHUNK if threads > 1 else max(count, 1)
+    firsts = range(0, count, size)
+    if threads > 1 and len(firsts) > 1:
+        with ThreadPoolExecutor(threads) as pool:
+            list(pool.map(part, firsts))
+    else:
+        for first in firsts:
+            part(first)
+    return InverseResult(q, status, residual, iterations)
+
+
+def _check_settings(tolerance: float, restarts: int, steps: int, seed: int, threads: int) -> None:
+    if not (math.isfinite(tolerance) and tolerance > 0.0):
+        raise InputError(f"tolerance is {tolerance}; a positive length of the pose error (m and rad) is needed")
+    for name, value, least in (
+        ("restarts", restarts, 0),
+        ("steps", steps, 1),
+        ("seed", seed, 0),
+        ("threads", threads, 1),
+    ):
+        if int(value) != value or value < least:
+            raise InputError(f"{name} is {value}; a whole number of at least {least} is needed")
+
+
+def _goals(T: ArrayLike) -> tuple[Array, tuple[int, ...]]:
+    """Rows of [R p] of the poses, (N, 12), and their leading axes."""
+    poses = check_pose(T, "T")
+    return np.ascontiguousarray(poses.reshape(-1, 16)[:, :12]), poses.shape[:-2]
+
+
+def _starts(arm: Arm, name: str, q: ArrayLike | None, lead: tuple[int, ...]) -> Array:
+    """Joint vectors (N, n), one per pose; (0, n) if there are none."""
+    if q is None:
+        return np.empty((0, arm.n))
+    try:
+        given = np.asarray(q, dtype=float)
+        if given.shape[-1:] != (arm.n,):
+            raise ValueError
+        rows = np.broadcast_to(given, (*lead, arm.n))
+    except (TypeError, ValueError):
+        raise ShapeError(
+            f"{name} must hold {arm.n} joints per pose, of shape (..., {arm.n}) that goes with the poses' {lead}; "
+            f"shape {np.shape(q)} came"
+        ) from None
+    bad = np.argwhere(~np.isfinite(rows))
+    if bad.size:
+        raise ShapeError(
+            f"{name} holds {rows[tuple(bad[0])]} for joint {arm.limits.names[bad[0][-1]]!r}; finite numbers are needed"
+        )
+    return np.array(rows.reshape(-1, arm.n))
+
+
+def _check_limits(arm: Arm, rows: Array, lead: tuple[int, ...]) -> None:
+    """Refuse a start outside the limits."""
+    bounds = arm.limits
+    bad = np.argwhere((rows < bounds.lower - 1e-9) | (rows > bounds.upper + 1e-9))
+    if bad.size:
+        row, k = bad[0]
+        place = f" for pose {tuple(int(i) for i in np.unravel_index(row, lead))}" if lead else ""
+        raise OutOfLimits(
+            f"q0 has joint {bounds.names[k]!r} at {rows[row, k]:.6g}{place}; "
+            f"its limits are {bounds.lower[k]:.6g} .. {bounds.upper[k]:.6g}. Start inside, or give limits=False"
+        )
+
+
+def _chain(arm: Arm, limits: bool) -> Chain:
+    from holonom.mechanics.solver_kernels import Chain
+
+    bounds, n = arm.limits, arm.n
+    for name, lower, upper in zip(bounds.names, bounds.lower, bounds.upper, strict=True):
+        if not lower <= upper:
+            raise ModelError(
+                f"joint {name!r} has limits {lower} .. {upper}; the lower one must not exceed the upper one"
+            )
+    turning = [arm.model.joints[i].kind == "revolute" for i in arm.model.independent]
+    reach = np.where(turning, math.pi, _reach(arm.model))
+    open_below = np.where(np.isfinite(bounds.upper), bounds.upper - 2.0 * reach, -reach)
+    low = np.where(np.isfinite(bounds.lower), bounds.lower, open_below)
+    high = np.where(np.isfinite(bounds.upper), bounds.upper, low + 2.0 * reach)
+    free = np.full(n, np.inf)
+    return Chain(
+        bounds.lower if limits else -free,
+        bounds.upper if limits else free,
+        low,
+        high - low,
+        _strides(n),
+        np.where(_whole_turns(arm.model), 2.0 * math.pi, 0.0),
+    )
+
+
+def _whole_turns(model: ArmModel) -> list[bool]:
+    """Whether a whole turn of a joint changes nothing: it is revolute, and no other joint follows it."""
+    led = {joint.mimic.joint for joint in model.joints if joint.mimic is not None}
+    return [model.joints[i].kind == "revolute" and i not in led for i in model.independent]
+
+
+def _strides(n: int) -> Array:
+    """Steps of the additive sequence: powers of 1 / x with x^(n + 1) = x + 1 (Roberts 2018)."""
+    x = 2.0
+    for _ in range(64):
+        x = (1.0 + x) ** (1.0 / (n + 1))
+    return x ** -np.arange(1.0, n + 1.0)
+
+
+def _reach(model: ArmModel) -> float:
+    """Sum of the lengths between base and tool, m; 1 where there are none."""
+    from holonom.mechanics.equations.kinematics import carrying
+
+    path = [model.joints[i] for i in carrying(model, model.tool_joint)]
+    poses = [T for joint in path for T in (joint.before, joint.after)] + [model.tool]
+    total = float(sum(np.linalg.norm(np.array(T)[:3, 3]) for T in poses))
+    for joint in path:
+        ends = [
+            abs(x) for x in (joint.limits.lower, joint.limits.upper) if joint.kind == "prismatic" and math.isfinite(x)
+        ]
+        total += max(ends, default=0.0)
+    return total or 1.0
+
+
+def _search(
+    arm: Arm,
+    tolerance: float,
+    attempts: int,
+    steps: int,
+    seed: int,
+    weights: ArrayLike | None,
+    frame: str | None,
+    criterion: str | Criterion | None,
+) -> Search:
+    from holonom.mechanics.solver_kernels import Search
+
+    w, exact = _weights(weights, frame), weights is not None
+    rows = np.concatenate([w[:3] / _reach(arm.model), w[3:]])
+    task = arm.kernel("pose_task", frame=frame or "world", exact=exact).address
+    climbed = 0 if criterion is None else _criterion_address(arm, criterion)
+    return Search(task, multipliers_kernel().address, climbed, rows, tolerance, attempts, steps, seed)
+
+
+def _weights(weights: ArrayLike | None, frame: str | None) -> Array:
+    if (weights is None) != (frame is None):
+        raise InputError('weights= and weights_frame= ("world" or "tool") go together; one of them is missing')
+    if weights is None:
+        return np.ones(6)
+    if frame not in ("world", "tool"):
+        raise UnknownName("weights frame", str(frame), ("world", "tool"))
+    w = np.asarray(weights, dtype=float)
+    if w.shape != (6,) or not np.isfinite(w).all() or w.min() < 0.0 or w.max() == 0.0:
+        raise ShapeError(f"weights must be six numbers of at least 0, not all 0 (0: free); {weights} came")
+    return w
+
+
+def _criterion_address(arm: Arm, criterion: str | Criterion) -> int:
+    if isinstance(criterion, str) and criterion not in CRITERIA:
+        raise UnknownName("criterion", criterion, CRITERIA)
+    return arm.kernel("criterion", criterion=criterion).address

@@ -1,0 +1,170 @@
+"""Joint rates for tool twists, and joint paths that follow a Cartesian path without drift."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from holonom.errors import InputError, ShapeError
+from holonom.mechanics.arm import Arm
+from holonom.spatial import check_pose
+
+__all__ = ["PathResult", "follow_path", "joint_rates"]
+
+Array = NDArray[np.float64]
+NEAR = 0.02
+"""Smallest singular value, as a share of the largest one, below which automatic damping sets in."""
+
+
+@dataclass(frozen=True, slots=True)
+class PathResult:
+    """Joints along a path.
+
+    q, qd : (..., N, n) rad or m, and per s; the rates lead from each sample to the next one (0 at the last).
+    residual : (..., N) length of the pose error at each sample, m and rad.
+    within_limits : (..., N) whether positions and speeds keep the joint limits.
+    """
+
+    q: Array
+    qd: Array
+    residual: Array
+    within_limits: NDArray[np.bool_]
+
+
+def joint_rates(
+    arm: Arm, q: ArrayLike, twist: ArrayLike, *, frame: str = "world", damping: str | float = "auto"
+) -> Array:
+    """Return the joint rates that move the tool with a twist: least squares, and least rates for redundant arms.
+
+    Parameters
+    ----------
+    q : (..., n).
+    twist : (..., 6) [v; w] of the tool point, m/s and rad/s.
+    frame : "world", "base" or "tool", the axes of the twist.
+    damping : "auto", or lambda of qd = J^T (J J^T + lambda^2)^-1 twist; 0 is the pseudoinverse. "auto" follows the
+        smallest singular value s: lambda^2 = (1 - (s / e)^2) e^2 below e = 0.02 of the largest one, 0 above. Then
+        rates stay below 1 / e of the twist, and the motion is exact wherever the arm is not near a singularity.
+
+    Returns
+    -------
+    qd : (..., n) rad/s or m/s.
+
+    Raises
+    ------
+    ShapeError, UnknownName, InputError
+
+    Notes
+    -----
+    Nakamura & Hanafusa (1986); Siciliano et al., Robotics, 3.5.2.
+    """
+    J = arm.jacobian(q, frame)
+    try:
+        wanted = np.asarray(twist, dtype=float)
+    except (TypeError, ValueError) as problem:
+        raise ShapeError(f"twist holds something that is not a number: {problem}") from None
+    if wanted.shape[-1:] != (6,) or not np.isfinite(wanted).all():
+        raise ShapeError(f"twist must be finite and of shape (..., 6), [v; w]; shape {wanted.shape} came")
+    return _rates(J, wanted, _damping(damping))
+
+
+def _damping(damping: str | float) -> float | None:
+    """Lambda, or None for the automatic one."""
+    if damping == "auto":
+        return None
+    if isinstance(damping, str) or not (math.isfinite(damping) and damping >= 0.0):
+        raise InputError(f'damping is {damping!r}; "auto" or a number of at least 0 is needed')
+    return float(damping)
+
+
+def _rates(J: Array, twist: Array, damping: float | None) -> Array:
+    """Sum of s / (s^2 + lambda^2) v u^T twist over the singular values s of J."""
+    U, s, Vt = np.linalg.svd(J, full_matrices=False)
+    if damping is None:
+        near = NEAR * s[..., :1]
+        square = np.maximum(near**2 - s[..., -1:] ** 2, 0.0)
+    else:
+        square = np.asarray(damping**2)
+    tiny = s <= 1e-12 * s[..., :1]  # directions that are lost altogether
+    gain = np.where(tiny, 0.0, s / np.where(tiny, 1.0, s**2 + square))
+    along = np.einsum("...ik,...i->...k", U, twist)
+    result: Array = np.einsum("...kj,...k->...j", Vt, gain * along)
+    return result
+
+
+def follow_path(
+    arm: Arm, q0: ArrayLike, T_path: ArrayLike, dt: float, *, gain: float | None = None, damping: str | float = "auto"
+) -> PathResult:
+    """Follow poses sampled in time by closed-loop inverse kinematics: the pose error is fed back, so nothing drifts.
+
+    Each sample's rates are J^+ (twist to the next pose + gain * pose error) and move the joints for `dt`.
+
+    Parameters
+    ----------
+    q0 : (..., n) joints at the start. They need not reach the first pose: the error decays with exp(-gain t).
+    T_path : (..., N, 4, 4), T_wt at the samples; several paths go together.
+    dt : time between samples, s.
+    gain : 1/s, above 0 and below 2 / dt; 0.5 / dt by default. 0 gives the open loop, which drifts.
+    damping : as for `joint_rates`.
+
+    Raises
+    ------
+    NotAPose, ShapeError, InputError
+
+    Notes
+    -----
+    Siciliano et al., Robotics, 3.7.1.
+    """
+    poses = check_pose(T_path, "T_path")
+    if poses.ndim < 3 or poses.shape[-3] < 1:
+        raise ShapeError(f"T_path must hold poses in a row, (..., N, 4, 4) with N >= 1; shape {poses.shape} came")
+    if not (math.isfinite(dt) and dt > 0.0):
+        raise InputError(f"dt is {dt} s; a positive time between samples is needed")
+    k = 0.5 / dt if gain is None else float(gain)
+    if not 0.0 <= k * dt < 2.0:
+        raise InputError(f"gain is {gain} 1/s with dt = {dt} s; 0 <= gain < {2.0 / dt:g} keeps the error decaying")
+    return _follow(arm, _start(arm, q0, poses.shape[:-3]), poses, dt, k, _damping(damping))
+
+
+def _start(arm: Arm, q0: ArrayLike, lead: tuple[int, ...]) -> Array:
+    try:
+        given = np.asarray(q0, dtype=float)
+        if given.shape[-1:] != (arm.n,):
+            raise ValueError
+        q = np.broadcast_to(given, (*lead, arm.n)).copy()
+    except (TypeError, ValueError):
+        raise ShapeError(
+            f"q0 must be of shape {(*lead, arm.n)} or broadcast to it; shape {np.shape(q0)} came"
+        ) from None
+    if not np.isfinite(q).all():
+        raise ShapeError("q0 holds NaN or infinity; finite joints are needed")
+    return q
+
+
+def _follow(arm: Arm, start: Array, poses: Array, dt: float, gain: float, damping: float | None) -> PathResult:
+    count = poses.shape[-3]
+    q = np.empty((*poses.shape[:-2], arm.n))
+    qd = np.zeros_like(q)
+    residual = np.empty(poses.shape[:-2])
+    q[..., 0, :] = start
+    for i in range(count):
+        error = _twist(arm.fk(q[..., i, :]), poses[..., i, :, :])
+        residual[..., i] = np.linalg.norm(error, axis=-1)
+        if i + 1 < count:
+            ahead = _twist(poses[..., i, :, :], poses[..., i + 1, :, :]) / dt
+            qd[..., i, :] = _rates(arm.jacobian(q[..., i, :]), ahead + gain * error, damping)
+            q[..., i + 1, :] = q[..., i, :] + dt * qd[..., i, :]
+    bounds = arm.limits
+    inside = (q >= bounds.lower) & (q <= bounds.upper) & (np.abs(qd) <= bounds.speed)
+    return PathResult(q, qd, residual, np.asarray(inside.all(-1)))
+
+
+def _twist(T: Array, T_to: Array) -> Array:
+    """[p_to - p; log(R_to R^T)] (..., 6): what takes one pose to the other in unit time, world axes."""
+    from scipy.spatial.transform import Rotation  # heavy: on first use
+
+    turn = T_to[..., :3, :3] @ np.swapaxes(T[..., :3, :3], -1, -2)
+    w = Rotation.from_matrix(turn.reshape(-1, 3, 3)).as_rotvec().reshape(*turn.shape[:-2], 3)
+    return np.concatenate([T_to[..., :3, 3] - T[..., :3, 3], w], axis=-1)
