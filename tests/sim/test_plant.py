@@ -12,7 +12,8 @@ from holonom.sim import CONTROLLERS, ControlSettings, Ground, Plant
 JOINTS = ARM.model.joints
 PER_AMPERE = np.array([joint.motor.gear_ratio * joint.motor.torque_constant for joint in JOINTS])
 COUNT = np.array([2 * np.pi / abs(j.motor.gear_ratio * j.motor.encoder_counts) for j in JOINTS])
-"""Torque per ampere (N m/A, with the gear's sign) and one encoder count (rad), at the joints."""
+FRICTION = np.array([max(joint.friction.coulomb_positive, joint.friction.coulomb_negative) for joint in JOINTS])
+"""Torque per ampere (N m/A, with the gear's sign), one encoder count (rad), Coulomb friction (N m), at the joints."""
 
 
 @pytest.mark.parametrize("controller", CONTROLLERS)
@@ -28,8 +29,7 @@ def test_a_standing_arm_stands(controller: str) -> None:
         currents.append(plant.states["current"].copy())
     gravity = ARM.gravity(HOME)
     assert np.abs(gravity).max() > 5.0
-    friction = np.array([max(j.friction.coulomb_positive, j.friction.coulomb_negative) for j in JOINTS])
-    assert (np.abs(PER_AMPERE * np.mean(currents, axis=0) - gravity) <= friction).all()
+    assert (np.abs(PER_AMPERE * np.mean(currents, axis=0) - gravity) <= FRICTION).all()
     assert plant.time == pytest.approx(2.0)
 
 
@@ -130,8 +130,8 @@ def test_a_tool_pressed_on_the_table() -> None:
     assert free.touch == 0.0
     torque = PER_AMPERE * (pressed.states["current"] - free.states["current"])
     wanted = ARM.jacobian(HOME)[2] * -force
-    assert wanted[1] < -10.0
-    np.testing.assert_allclose(torque[1:3], wanted[1:3], rtol=0.25)
+    assert wanted[1] < -1.5 * FRICTION[1]
+    assert (np.abs(torque - wanted) <= FRICTION).all(), "friction may carry the rest"
 
 
 def test_settings_name_the_controllers() -> None:
