@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from arms import presets, random_model, random_tree
 
-from holonom.errors import NotAPose, ShapeError, UnknownName
+from holonom.errors import InputError, NotAPose, ShapeError, UnknownName
 from holonom.mechanics import Arm, IkStatus, arm_from_dh, load_arm
 from holonom.model import DHRow
 
@@ -160,5 +160,5 @@ def test_errors_name_the_cause():
         arm.fk(np.zeros(6), frame="link7")
     with pytest.raises(UnknownName, match="standard"):
         arm_from_dh([DHRow()], convention="craig")
-    with pytest.raises(UnknownName, match="closed-form"):
+    with pytest.raises(InputError, match="no closed-form inverse.*ik_nearest"):
         arm_from_dh([DHRow(a=1.0)], convention="standard").ik(np.eye(4))

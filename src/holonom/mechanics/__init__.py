@@ -9,6 +9,17 @@
 """
 
 from holonom.mechanics import motion, simulate
-from holonom.mechanics.arm import Arm, IkNearest, IkResult, IkStatus, Limits, arm_from_dh, load_arm
+from holonom.mechanics.arm import Arm, IkCase, IkNearest, IkResult, IkStatus, Limits, arm_from_dh, load_arm
 
-__all__ = ["Arm", "IkNearest", "IkResult", "IkStatus", "Limits", "arm_from_dh", "load_arm", "motion", "simulate"]
+__all__ = [
+    "Arm",
+    "IkCase",
+    "IkNearest",
+    "IkResult",
+    "IkStatus",
+    "Limits",
+    "arm_from_dh",
+    "load_arm",
+    "motion",
+    "simulate",
+]

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import OutOfLimits, ShapeError, UnknownName
 from holonom.mechanics.arm import Arm
-from holonom.mechanics.equations.puma_inverse import puma_geometry
+from holonom.mechanics.equations.puma_geometry import puma_geometry
 
 __all__ = [
     "Ellipsoid",

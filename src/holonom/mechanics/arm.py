@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
@@ -13,14 +14,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import InputError, ShapeError, UnknownName
-from holonom.mechanics.equations import puma_inverse
+from holonom.mechanics import inverse_geometry
+from holonom.mechanics.closed_form import FAMILIES, ClosedForm, closed_form
 from holonom.mechanics.equations.inertia import fixed_to_body
 from holonom.mechanics.kernels import make_kernel
 from holonom.model import ArmModel, Body, DHRow, JointLimits, arm_model_from_dh, constant_transform, load_model
 from holonom.spatial import check_pose
 from holonom.trace import Kernel
 
-__all__ = ["Arm", "IkNearest", "IkResult", "IkStatus", "Limits", "arm_from_dh", "load_arm"]
+__all__ = ["Arm", "IkCase", "IkNearest", "IkResult", "IkStatus", "Limits", "arm_from_dh", "load_arm"]
 
 Array = NDArray[np.float64]
 
@@ -28,29 +30,66 @@ Array = NDArray[np.float64]
 class IkStatus(IntEnum):
     """What became of one branch of an inverse."""
 
-    OK = puma_inverse.OK
-    UNREACHABLE = puma_inverse.UNREACHABLE
-    LIMIT = puma_inverse.LIMIT
-    SINGULAR = puma_inverse.SINGULAR
+    OK = inverse_geometry.OK
+    UNREACHABLE = inverse_geometry.UNREACHABLE
+    LIMIT = inverse_geometry.LIMIT
+    SINGULAR = inverse_geometry.SINGULAR
+
+
+class IkCase(IntEnum):
+    """How many joint vectors reach a target, joint limits aside."""
+
+    OUT_OF_REACH = 0
+    REGULAR = 1
+    BOUNDARY = 2
+    ON_AXIS = 3
 
 
 @dataclass(frozen=True, slots=True)
 class IkResult:
     """All branches of an inverse.
 
-    q : (..., k, n) rad; status : (..., k) int8, an `IkStatus`; names : the k branch names.
-    A SINGULAR branch reaches the pose (wrist straight: q4 is chosen 0); a LIMIT branch reaches it outside the
-    joint limits; an UNREACHABLE one does not reach it.
+    q : (..., k, n) rad or m; status : (..., k) int8, an `IkStatus`; names : the k branch names, explained in
+    `mechanics.closed_form`.
+    A SINGULAR branch reaches the target with a joint that is free (wrist straight; wrist on the axis of joint 1): it
+    is chosen 0. A LIMIT branch reaches it outside the joint limits. An UNREACHABLE one does not reach it: forward
+    kinematics misses it by more than 1e-8 (m, and the rotation's entries).
     """
 
     q: Array
     status: NDArray[np.int8]
     names: tuple[str, ...]
 
+    @property
+    def solutions(self) -> NDArray[np.int64]:
+        """Number of different joint vectors (...) that reach the target; -1 for infinitely many."""
+        reached = self.status != IkStatus.UNREACHABLE
+        count = (reached & ~self._repeated()).sum(-1)
+        return np.where((self.status == IkStatus.SINGULAR).any(-1), -1, count)
+
+    @property
+    def case(self) -> NDArray[np.int8]:
+        """The `IkCase` (...): out of reach; regular; branches meet (arm stretched); a joint is free (on its axis)."""
+        reached = self.status != IkStatus.UNREACHABLE
+        met = np.where((reached & self._repeated()).any(-1), IkCase.BOUNDARY, IkCase.REGULAR)
+        free = (self.status == IkStatus.SINGULAR).any(-1)
+        return np.where(reached.any(-1), np.where(free, IkCase.ON_AXIS, met), IkCase.OUT_OF_REACH).astype(np.int8)
+
+    def _repeated(self) -> NDArray[np.bool_]:
+        """Whether a branch (..., k) is an earlier one again."""
+        apart = self.q[..., :, None, :] - self.q[..., None, :, :]
+        same = np.abs(apart - 2.0 * np.pi * np.round(apart / (2.0 * np.pi))).max(-1) < 1e-6
+        both = (self.status != IkStatus.UNREACHABLE)[..., None, :]
+        earlier = np.tri(self.status.shape[-1], k=-1, dtype=bool)
+        return np.asarray((same & both & earlier).any(-1))
+
 
 @dataclass(frozen=True, slots=True)
 class IkNearest:
-    """The branch nearest to a joint vector: q (..., n), status (...), branch (...): its number in `names`."""
+    """The branch nearest to a joint vector: q (..., n), status (...), branch (...): its number in `names`.
+
+    Where the arm has no closed form there are no names, and `branch` is -1.
+    """
 
     q: Array
     status: NDArray[np.int8]
@@ -191,43 +230,97 @@ class Arm:
         result: Array = kernel(q, out=out, threads=threads)
         return result
 
+    @functools.cached_property
+    def closed_form(self) -> ClosedForm | None:
+        """The closed-form inverse that fits how the arm's axes lie, if there is one."""
+        return closed_form(self.model)
+
     def ik(self, T: ArrayLike, *, threads: int = 1) -> IkResult:
-        """Closed-form inverse geometry: every branch with its status.
+        """Closed-form inverse geometry: every branch with its status, proved by forward kinematics.
 
         Parameters
         ----------
-        T : (..., 4, 4), T_wt.
+        T : (..., 4, 4), T_wt. Arms that can only place their tool (two joints in a plane, three joints in space:
+            `closed_form.task` is "position") take points p_wt (..., 3) too, and of a pose its place.
 
         Raises
         ------
-        NotAPose
-            `T` is no rigid transform.
-        UnknownName
+        NotAPose, ShapeError
+            `T` is no rigid transform; NaN.
+        InputError
             No closed form for this arm.
         """
-        q, status = self.kernel("inverse_geometry")(check_pose(T, "T"), threads=threads)
-        return IkResult(q, status, puma_inverse.BRANCHES)
+        form = self._form()
+        target = self._target(T, form)
+        q, status = self.kernel("inverse_geometry")(target, threads=threads)
+        if not form.exact:
+            bounds = self.limits.lower, self.limits.upper
+            q, status = inverse_geometry.refined(self.fk, self.jacobian, bounds, form.task, target, q, status)
+        return IkResult(q, status, form.names)
 
-    def ik_nearest(self, T: ArrayLike, q0: ArrayLike) -> IkNearest:
-        """The reachable branch nearest to `q0` (largest joint difference), with joints a turn away where limits allow.
+    def _form(self) -> ClosedForm:
+        if self.closed_form is None:
+            raise InputError(
+                f"arm {self.model.name!r} has no closed-form inverse: its axes lie like none of {', '.join(FAMILIES)}; "
+                "ik_nearest(T, q0) finds one solution numerically"
+            )
+        return self.closed_form
 
+    def _target(self, T: ArrayLike, form: ClosedForm) -> Array:
+        target = np.asarray(T, dtype=float)
+        if form.task == "pose":
+            return check_pose(T, "T")
+        return target if target.shape[-1:] == (3,) else check_pose(T, "T")[..., :3, 3]
+
+    def ik_nearest(self, T: ArrayLike, q0: ArrayLike, *, weights: ArrayLike | None = None) -> IkNearest:
+        """The reachable branch nearest to `q0`, with joints whole turns away where limits allow.
+
+        Without a closed form the numerical solver starts from `q0` (`mechanics.numerical_inverse`).
+
+        Parameters
+        ----------
+        T : (..., 4, 4), as for `ik`.
+        q0 : (..., n).
+        weights : (n,), what a joint's difference counts; the largest weighted difference is the distance. Default 1.
+
+        Returns
+        -------
         `status` is that of the branch taken: OK or SINGULAR, and LIMIT or UNREACHABLE if no branch is better.
         """
-        found = self.ik(T)
         reference = np.asarray(q0, dtype=float)
         if reference.shape[-1:] != (self.n,) or not np.isfinite(reference).all():
             raise ShapeError(f"q0 must be finite and of shape (..., {self.n}); shape {reference.shape} came")
+        weight = np.ones(self.n) if weights is None else np.asarray(weights, dtype=float)
+        if weight.shape != (self.n,) or not (weight >= 0.0).all():
+            raise ShapeError(f"weights must be {self.n} numbers, none negative or NaN; shape {weight.shape} came")
+        if self.closed_form is None:
+            return self._searched(T, reference)
+        found = self.ik(T)
         q = self._turned(found.q, reference[..., None, :])
         rank = np.array([0.0, 2e6, 1e6, 0.0])[found.status]
-        branch = np.argmin(np.abs(q - reference[..., None, :]).max(-1) + rank, axis=-1)
+        branch = np.argmin((weight * np.abs(q - reference[..., None, :])).max(-1) + rank, axis=-1)
         taken = np.take_along_axis(q, branch[..., None, None], -2)[..., 0, :]
         status = np.take_along_axis(found.status, branch[..., None], -1)[..., 0]
         return IkNearest(taken, status, branch, found.names)
 
+    def _searched(self, T: ArrayLike, q0: Array) -> IkNearest:
+        """What the numerical solver finds from q0."""
+        from holonom.mechanics.numerical_inverse import InverseStatus, solve_inverse
+
+        found = solve_inverse(self, T, q0)
+        named = {
+            InverseStatus.OK: IkStatus.OK,
+            InverseStatus.NOT_CONVERGED: IkStatus.UNREACHABLE,
+            InverseStatus.LIMIT: IkStatus.LIMIT,
+        }
+        status = np.array([named[s] for s in InverseStatus], dtype=np.int8)[found.status]
+        return IkNearest(found.q, status, np.full(status.shape, -1), ())
+
     def _turned(self, q: Array, reference: Array) -> Array:
         """Whole turns nearer to the reference, where that stays within the limits."""
         limits = self.limits
-        turned = q + 2 * np.pi * np.round((reference - q) / (2 * np.pi))
+        turns = np.array([2.0 * np.pi * (self.model.joints[i].kind == "revolute") for i in self.model.independent])
+        turned = q + turns * np.round((reference - q) / (2.0 * np.pi))
         return np.where((turned >= limits.lower) & (turned <= limits.upper), turned, q)
 
     def inverse_dynamics(
@@ -308,6 +401,11 @@ class Arm:
     def mass_matrix(self, q: ArrayLike, *, out: Array | None = None, threads: int = 1) -> Array:
         """B(q): (..., n, n), with reflected rotor inertia on the diagonal."""
         result: Array = self.kernel("mass_matrix")(q, out=out, threads=threads)
+        return result
+
+    def coriolis_matrix(self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None, threads: int = 1) -> Array:
+        """C(q, qd), (..., n, n), by Christoffel symbols: Bdot - 2 C is skew-symmetric; C qd are torques, N m."""
+        result: Array = self.kernel("coriolis_matrix")(q, qd, out=out, threads=threads)
         return result
 
     def gravity(self, q: ArrayLike, *, out: Array | None = None, threads: int = 1) -> Array:

@@ -7,16 +7,17 @@ from typing import Any
 
 from holonom.errors import MissingInertia, UnknownName
 from holonom.mechanics import pose_kernels
+from holonom.mechanics.closed_form import FAMILIES, closed_form
 from holonom.mechanics.equations import (
     closed_loop,
     composite_body,
     forward_dynamics,
     kinematics,
     newton_euler,
-    puma_inverse,
 )
 from holonom.mechanics.equations.inertia import Inertial, from_body
-from holonom.mechanics.equations.vectors import Pose, Vector, compose, scale, transpose, tvec
+from holonom.mechanics.equations.vectors import Pose, Vector, tvec
+from holonom.mechanics.inverse_geometry import inverse_kernel
 from holonom.model import ArmModel
 from holonom.trace import Kernel, Number, compile
 
@@ -55,15 +56,6 @@ def frame_of(model: ArmModel, name: str) -> tuple[int | None, Pose | None]:
     if name not in known:
         raise UnknownName("frame", name, known)
     return known[name]
-
-
-def _inverted(T: Pose) -> Pose:
-    R, p = T
-    return transpose(R), scale(-1.0, tvec(R, p))
-
-
-def _unflat(T: Vector) -> Pose:
-    return [list(T[4 * i : 4 * i + 3]) for i in range(3)], [T[3], T[7], T[11]]
 
 
 def _wrench_in_tool(model: ArmModel, q: Vector, wrench: Vector, frame: str) -> list[Number]:
@@ -149,27 +141,10 @@ def _gravity(model: ArmModel, options: Options) -> Kernel:
 
 
 def _inverse_geometry(model: ArmModel, options: Options) -> Kernel:
-    geometry = puma_inverse.puma_geometry(model)
-    if geometry is None:
-        raise UnknownName(
-            "closed-form inverse for arm",
-            model.name,
-            ("Puma-type arms: see mechanics.equations.puma_inverse",),
-        )
-    to_base = _inverted(kinematics.split(model.base))
-    from_tool = _inverted(kinematics.split(model.tool))
-
-    def equation(T: Vector) -> tuple[list[Number], list[Number]]:
-        R, p = compose(compose(to_base, _unflat(T)), from_tool)
-        return puma_inverse.puma_inverse(geometry, kinematics.flat_pose((R, p)))
-
-    return compile(
-        equation,
-        {"T": (4, 4)},
-        {"q": (8, 6), "status": 8},
-        name=f"{model.name}_inverse_geometry",
-        integers=("status",),
-    )
+    form = closed_form(model)
+    if form is None:
+        raise UnknownName("closed-form inverse for arm", model.name, FAMILIES)
+    return inverse_kernel(model, form)
 
 
 KERNELS: Mapping[str, Callable[[ArmModel, Options], Kernel]] = {

@@ -6,7 +6,11 @@
 `newton_euler`        inverse dynamics
 `composite_body`      mass matrix
 `forward_dynamics`    B qdd = tau - h
-`puma_inverse`        closed-form inverse geometry of Puma-type arms
+`subproblems`         the angles that closed-form inverses are made of
+`regional`            where three joints bring a point
+`spherical_wrist`     inverse of arms whose last three axes meet
+`parallel_axes`       inverse of arms with three parallel axes
+`puma_geometry`       the lengths of Puma-type arms
 ====================  ======================================================
 """
 
