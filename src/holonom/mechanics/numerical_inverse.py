@@ -21,7 +21,7 @@ from holonom.spatial import check_pose
 if TYPE_CHECKING:
     from holonom.mechanics.solver_kernels import Chain, Search
 
-__all__ = ["InverseResult", "InverseStatus", "solve_inverse"]
+__all__ = ["InverseResult", "InverseSolver", "InverseStatus", "inverse_solver", "solve_inverse"]
 
 Array = NDArray[np.float64]
 CHUNK = 32
@@ -98,19 +98,105 @@ def solve_inverse(
     -----
     Damping proportional to the squared error: Chan & Lawrence, ICRA 1988; Sugihara, IEEE T-RO 27 (2011).
     """
-    _check_settings(tolerance, restarts, steps, seed, threads)
-    goals, lead = _goals(T)
-    chain = _chain(arm, limits)
-    starts = _starts(arm, "q0", q0, lead)
-    if limits and q0 is not None:
-        _check_limits(arm, starts, lead)
+    solver = inverse_solver(
+        arm,
+        limits=limits,
+        tolerance=tolerance,
+        restarts=restarts,
+        steps=steps,
+        weights=weights,
+        weights_frame=weights_frame,
+        criterion=criterion,
+        seed=seed,
+    )
+    return solver(T, q0, preferred=preferred, threads=threads)
+
+
+@dataclass(frozen=True, slots=True)
+class InverseSolver:
+    """A numerical inverse prepared for one arm and one way of searching: what `solve_inverse` calls, for many calls."""
+
+    names: tuple[str, ...]
+    limits: bool
+    chain: Chain
+    search: Search
+
+    def __call__(
+        self, T: ArrayLike, q0: ArrayLike | None = None, *, preferred: ArrayLike | None = None, threads: int = 1
+    ) -> InverseResult:
+        """Solve poses; arguments, result and errors as for `solve_inverse`."""
+        _whole("threads", threads, 1)
+        goals, lead = _goals(T)
+        starts = self._rows("q0", q0, lead)
+        if self.limits and q0 is not None:
+            self._check_limits(starts, lead)
+        wanted = starts if preferred is None else self._rows("preferred", preferred, lead)
+        if not wanted.shape[0] and self.search.criterion:
+            middle = self.chain.origin + 0.5 * self.chain.span
+            wanted = np.broadcast_to(middle, (goals.shape[0], middle.shape[0])).copy()
+        result = _run(self.chain, self.search, goals, starts, wanted, threads)
+        status, residual = result.status.reshape(lead), result.residual.reshape(lead)
+        return InverseResult(
+            result.q.reshape(*lead, len(self.names)), status, residual, result.iterations.reshape(lead)
+        )
+
+    def _rows(self, name: str, q: ArrayLike | None, lead: tuple[int, ...]) -> Array:
+        """Joint vectors (N, n), one per pose; (0, n) if there are none."""
+        n = len(self.names)
+        if q is None:
+            return np.empty((0, n))
+        try:
+            given = np.asarray(q, dtype=float)
+            if given.shape[-1:] != (n,):
+                raise ValueError
+            rows = np.array(np.broadcast_to(given, (*lead, n))).reshape(-1, n)
+        except (TypeError, ValueError):
+            raise ShapeError(
+                f"{name} must hold {n} joints per pose, of shape (..., {n}) that goes with the poses' {lead}; "
+                f"shape {np.shape(q)} came"
+            ) from None
+        if not np.isfinite(rows).all():
+            row, k = np.argwhere(~np.isfinite(rows))[0]
+            raise ShapeError(f"{name} holds {rows[row, k]} for joint {self.names[k]!r}; finite numbers are needed")
+        return rows
+
+    def _check_limits(self, rows: Array, lead: tuple[int, ...]) -> None:
+        """Refuse a start outside the limits."""
+        lower, upper = self.chain.lower, self.chain.upper
+        outside = (rows < lower - 1e-9) | (rows > upper + 1e-9)
+        if outside.any():
+            row, k = np.argwhere(outside)[0]
+            place = f" for pose {tuple(int(i) for i in np.unravel_index(row, lead))}" if lead else ""
+            raise OutOfLimits(
+                f"q0 has joint {self.names[k]!r} at {rows[row, k]:.6g}{place}; "
+                f"its limits are {lower[k]:.6g} .. {upper[k]:.6g}. Start inside, or give limits=False"
+            )
+
+
+def inverse_solver(
+    arm: Arm,
+    *,
+    limits: bool = True,
+    tolerance: float = 1e-6,
+    restarts: int = 200,
+    steps: int = 30,
+    weights: ArrayLike | None = None,
+    weights_frame: str | None = None,
+    criterion: str | Criterion | None = None,
+    seed: int = 0,
+) -> InverseSolver:
+    """Prepare `solve_inverse` for repeated calls, for instance one pose per control period.
+
+    Returns
+    -------
+    solver(T, q0=None, *, preferred=None, threads=1) -> InverseResult. Parameters and errors: see `solve_inverse`.
+    """
+    if not (math.isfinite(tolerance) and tolerance > 0.0):
+        raise InputError(f"tolerance is {tolerance}; a positive length of the pose error (m and rad) is needed")
+    for name, value, least in (("restarts", restarts, 0), ("steps", steps, 1), ("seed", seed, 0)):
+        _whole(name, value, least)
     search = _search(arm, tolerance, restarts + 1, steps, seed, weights, weights_frame, criterion)
-    wanted = starts if preferred is None else _starts(arm, "preferred", preferred, lead)
-    if not wanted.shape[0] and search.criterion:
-        wanted = np.broadcast_to(chain.origin + 0.5 * chain.span, (goals.shape[0], arm.n)).copy()
-    result = _run(chain, search, goals, starts, wanted, threads)
-    status, residual = result.status.reshape(lead), result.residual.reshape(lead)
-    return InverseResult(result.q.reshape(*lead, arm.n), status, residual, result.iterations.reshape(lead))
+    return InverseSolver(arm.limits.names, limits, _chain(arm, limits), search)
 
 
 def _run(chain: Chain, search: Search, goals: Array, starts: Array, wanted: Array, threads: int) -> InverseResult:
@@ -136,58 +222,15 @@ def _run(chain: Chain, search: Search, goals: Array, starts: Array, wanted: Arra
     return InverseResult(q, status, residual, iterations)
 
 
-def _check_settings(tolerance: float, restarts: int, steps: int, seed: int, threads: int) -> None:
-    if not (math.isfinite(tolerance) and tolerance > 0.0):
-        raise InputError(f"tolerance is {tolerance}; a positive length of the pose error (m and rad) is needed")
-    for name, value, least in (
-        ("restarts", restarts, 0),
-        ("steps", steps, 1),
-        ("seed", seed, 0),
-        ("threads", threads, 1),
-    ):
-        if int(value) != value or value < least:
-            raise InputError(f"{name} is {value}; a whole number of at least {least} is needed")
+def _whole(name: str, value: int, least: int) -> None:
+    if int(value) != value or value < least:
+        raise InputError(f"{name} is {value}; a whole number of at least {least} is needed")
 
 
 def _goals(T: ArrayLike) -> tuple[Array, tuple[int, ...]]:
     """Rows of [R p] of the poses, (N, 12), and their leading axes."""
     poses = check_pose(T, "T")
     return np.ascontiguousarray(poses.reshape(-1, 16)[:, :12]), poses.shape[:-2]
-
-
-def _starts(arm: Arm, name: str, q: ArrayLike | None, lead: tuple[int, ...]) -> Array:
-    """Joint vectors (N, n), one per pose; (0, n) if there are none."""
-    if q is None:
-        return np.empty((0, arm.n))
-    try:
-        given = np.asarray(q, dtype=float)
-        if given.shape[-1:] != (arm.n,):
-            raise ValueError
-        rows = np.broadcast_to(given, (*lead, arm.n))
-    except (TypeError, ValueError):
-        raise ShapeError(
-            f"{name} must hold {arm.n} joints per pose, of shape (..., {arm.n}) that goes with the poses' {lead}; "
-            f"shape {np.shape(q)} came"
-        ) from None
-    bad = np.argwhere(~np.isfinite(rows))
-    if bad.size:
-        raise ShapeError(
-            f"{name} holds {rows[tuple(bad[0])]} for joint {arm.limits.names[bad[0][-1]]!r}; finite numbers are needed"
-        )
-    return np.array(rows.reshape(-1, arm.n))
-
-
-def _check_limits(arm: Arm, rows: Array, lead: tuple[int, ...]) -> None:
-    """Refuse a start outside the limits."""
-    bounds = arm.limits
-    bad = np.argwhere((rows < bounds.lower - 1e-9) | (rows > bounds.upper + 1e-9))
-    if bad.size:
-        row, k = bad[0]
-        place = f" for pose {tuple(int(i) for i in np.unravel_index(row, lead))}" if lead else ""
-        raise OutOfLimits(
-            f"q0 has joint {bounds.names[k]!r} at {rows[row, k]:.6g}{place}; "
-            f"its limits are {bounds.lower[k]:.6g} .. {bounds.upper[k]:.6g}. Start inside, or give limits=False"
-        )
 
 
 def _chain(arm: Arm, limits: bool) -> Chain:
