@@ -10,7 +10,8 @@
 """
 
 from holonom.sim.dry import DryMachine, Problem
-from holonom.sim.machine import PROGRAM_TICK, LineSettings, SimulatedMachine, branch_joints
+from holonom.sim.machine import PROGRAM_TICK, SimulatedMachine
+from holonom.sim.motions import LineSettings, branch_joints
 from holonom.sim.plant import CONTROLLERS, ControlSettings, Ground, Plant
 from holonom.sim.world import Disc, Gripper, Surface, World
 

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.errors import DriveFault, InputError, MotionError
-from holonom.mechanics import Arm, IkStatus
-from holonom.mechanics.motion import Trajectory, plan_joint, plan_line, splice, stop
+from holonom.errors import DriveFault
+from holonom.mechanics.motion import Trajectory, splice, stop
 from holonom.signals import DriveState, Event, FramePoses, JointCommand, JointState, Signal, Sink
+from holonom.sim.motions import LineSettings, MotionRequest, plan
 from holonom.sim.plant import TICK, Plant
 from holonom.sim.world import World
 
-__all__ = ["PROGRAM_TICK", "LineSettings", "SimulatedMachine", "branch_joints", "plan"]
+__all__ = ["PROGRAM_TICK", "SimulatedMachine"]
 
 Array = NDArray[np.float64]
 
@@ -27,125 +26,6 @@ SETTLED = {"fine": 2e-4, "coarse": 2e-3}
 """Following error (rad) below which a motion counts as ended."""
 SETTLED_SPEED = 0.02
 """Joint speed (rad/s) below which the arm counts as standing."""
-
-
-class MotionRequest(Protocol):
-    """What a machine reads of a `lang.Motion`; see there."""
-
-    @property
-    def kind(self) -> str: ...
-    @property
-    def pose(self) -> Array | None: ...
-    @property
-    def joints(self) -> Array | None: ...
-    @property
-    def speed(self) -> float: ...
-    @property
-    def speed_mps(self) -> float | None: ...
-    @property
-    def acceleration(self) -> float: ...
-    @property
-    def configuration(self) -> Any: ...
-    @property
-    def blend(self) -> bool: ...
-    @property
-    def tolerance(self) -> str: ...
-    @property
-    def line(self) -> int: ...
-
-
-@dataclass(frozen=True, slots=True)
-class LineSettings:
-    """Nominal straight-line motion: m/s, m/s2, rad/s, rad/s2."""
-
-    speed: float = 0.5
-    acceleration: float = 2.0
-    rotation_speed: float = 2.0
-    rotation_acceleration: float = 8.0
-
-
-def branch_joints(arm: Arm, T: Array, q0: Array, configuration: Any) -> Array:
-    """Joints (n,) that bring the tool to T_wt: the branch nearest to q0, or nearest of those named.
-
-    Raises
-    ------
-    MotionError
-        No reachable branch inside the joint limits; says whether reach or which limit is the cause.
-    """
-    wanted = [w for w in (configuration.shoulder, configuration.elbow, configuration.wrist) if w is not None]
-    if not wanted:
-        nearest = arm.ik_nearest(T, q0)
-        if nearest.status in (IkStatus.OK, IkStatus.SINGULAR):
-            return nearest.q
-    found = arm.ik(T)
-    fits = np.array([all(w in name.split() for w in wanted) for name in found.names])
-    good = fits & ((found.status == IkStatus.OK) | (found.status == IkStatus.SINGULAR))
-    if not good.any():
-        raise MotionError(_why(arm, T, found.q[fits], found.status[fits], wanted))
-    turns = np.abs(found.q[good] - q0).max(-1)
-    q: Array = found.q[good][np.argmin(turns)]
-    return q
-
-
-def _why(arm: Arm, T: Array, q: Array, status: Array, wanted: Sequence[str]) -> str:
-    place = ", ".join(f"{1e3 * v:.1f}" for v in T[:3, 3])
-    named = f" as {' '.join(wanted)}" if wanted else ""
-    if (status == IkStatus.UNREACHABLE).all():
-        return f"the tool cannot reach ({place}) mm{named}: out of reach of the arm; move the location nearer to it"
-    limits = arm.limits
-    inside = q[status == IkStatus.LIMIT]
-    excess = np.maximum(limits.lower - inside, inside - limits.upper).clip(0.0)
-    best = inside[np.argmin(excess.max(-1))]
-    j = int(np.argmax(np.maximum(limits.lower - best, best - limits.upper)))
-    return (
-        f"the tool can reach ({place}) mm{named} only outside a joint limit: {limits.names[j]} would be at "
-        f"{np.degrees(best[j]):.1f} deg; its limits are {np.degrees(limits.lower[j]):.0f} to "
-        f"{np.degrees(limits.upper[j]):.0f} deg"
-    )
-
-
-def plan(arm: Arm, q0: Array, motion: MotionRequest, settings: LineSettings) -> Trajectory:
-    """Return the trajectory of one motion from rest at q0 (n,).
-
-    Raises
-    ------
-    MotionError
-        The motion cannot be made.
-    """
-    try:
-        return _plan_line(arm, q0, motion, settings) if motion.kind == "line" else _plan_joint(arm, q0, motion)
-    except InputError as problem:  # a program asked for it, after the start
-        raise MotionError(str(problem)) from problem
-
-
-def _plan_line(arm: Arm, q0: Array, motion: MotionRequest, settings: LineSettings) -> Trajectory:
-    """A straight line; an absolute speed above the nominal one turns the tool no faster than the settings allow."""
-    target = motion.pose
-    if target is None:
-        assert motion.joints is not None
-        target = arm.fk(motion.joints)
-    speed = motion.speed_mps if motion.speed_mps is not None else motion.speed * settings.speed
-    return plan_line(
-        arm,
-        q0,
-        target,
-        speed=speed,
-        rotation_speed=settings.rotation_speed * min(1.0, max(motion.speed, speed / settings.speed)),
-        acceleration=motion.acceleration * settings.acceleration,
-        rotation_acceleration=motion.acceleration * settings.rotation_acceleration,
-        dt=TICK,
-        line=motion.line,
-    )
-
-
-def _plan_joint(arm: Arm, q0: Array, motion: MotionRequest) -> Trajectory:
-    q1 = motion.joints
-    if q1 is None:
-        assert motion.pose is not None
-        q1 = branch_joints(arm, motion.pose, q0, motion.configuration)
-    return plan_joint(
-        q0, q1, arm.limits, speed=motion.speed, acceleration=motion.acceleration, dt=TICK, line=motion.line
-    )
 
 
 class SimulatedMachine:
