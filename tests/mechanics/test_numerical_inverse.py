@@ -16,6 +16,7 @@ from holonom.mechanics.equations import kinematics
 from holonom.mechanics.equations.criteria import CRITERIA
 from holonom.mechanics.equations.pose_task import damped_multipliers, pose_error, pose_task, rotation_vector
 from holonom.mechanics.numerical_inverse import InverseStatus, solve_inverse
+from holonom.mechanics.pose_kernels import multipliers_kernel
 from holonom.mechanics.velocity import follow_path, joint_rates
 from holonom.model import DHRow, JointLimits
 
@@ -83,6 +84,18 @@ def test_multipliers_solve_the_damped_normal_equations():
         J, x = rng.normal(size=(6, n)), rng.normal(size=6)
         y = damped_multipliers((J @ J.T)[np.tril_indices(6)].tolist(), x.tolist(), 0.01)
         np.testing.assert_allclose((J @ J.T + 0.01 * np.eye(6)) @ y, x, atol=1e-7)
+
+
+def test_a_step_leaves_blocked_joints_out():
+    from holonom.mechanics.solver_kernels import damped_step, scratch
+
+    rng, room = np.random.default_rng(2), scratch(7)
+    J, x, free = rng.normal(size=(6, 7)), rng.normal(size=6), np.array([1.0, 0, 1, 1, 0, 1, 1])
+    state = np.concatenate([np.zeros(7), J.T.ravel(), (J @ J.T)[np.tril_indices(6)]])
+    room.normal[21:27] = x
+    damped_step(multipliers_kernel().address, state, free, 0.1, room)
+    F = J * free
+    np.testing.assert_allclose(room.step, F.T @ np.linalg.solve(F @ F.T + 0.1 * np.eye(6), x), atol=1e-9)
 
 
 def test_error_in_the_tool_frame_is_that_of_the_world_turned():

@@ -24,8 +24,8 @@ if TYPE_CHECKING:
 __all__ = ["InverseResult", "InverseSolver", "InverseStatus", "inverse_solver", "solve_inverse"]
 
 Array = NDArray[np.float64]
-CHUNK = 32
-"""Poses that a thread takes at a time."""
+LEAST_CHUNK, CHUNKS = 64, 8
+"""Poses that a thread takes at a time, at least; else a share of the batch, so that hard poses spread over threads."""
 
 
 class InverseStatus(IntEnum):
@@ -211,7 +211,7 @@ def _run(chain: Chain, search: Search, goals: Array, starts: Array, wanted: Arra
         last = min(first + size, count)
         solve_rows(chain, search, *inputs, q.reshape(-1), status, residual, iterations, first, last)
 
-    size = CHUNK if threads > 1 else max(count, 1)
+    size = max(LEAST_CHUNK, -(-count // (CHUNKS * threads))) if threads > 1 else max(count, 1)
     firsts = range(0, count, size)
     if threads > 1 and len(firsts) > 1:
         with ThreadPoolExecutor(threads) as pool:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from holonom.trace.pointer import call_kernel
 
-__all__ = ["LIMIT", "NOT_CONVERGED", "OK", "Chain", "Search", "solve_rows"]
+__all__ = ["LIMIT", "NOT_CONVERGED", "OK", "Chain", "Search", "damped_step", "scratch", "solve_rows"]
 
 OK, NOT_CONVERGED, LIMIT = 0, 1, 2
 
@@ -82,7 +82,8 @@ class _Room(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy")
-def _room(n: int) -> Any:
+def scratch(n: int) -> Any:
+    """Return the room that one thread needs for an arm of n joints."""
     return _Room(
         np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n + 18), np.zeros(28 + 6 * n),
         np.zeros(28 + 6 * n), np.zeros(28), np.zeros(6), np.zeros(2 * n), np.zeros(n + 1),
@@ -97,7 +98,7 @@ def _copy(a: Floats, first: int, count: int, b: Floats, at: int) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def _damped_step(address: int, state: Floats, free: Floats, damping: float, room: Any) -> None:
+def damped_step(address: int, state: Floats, free: Floats, damping: float, room: Any) -> None:
     """room.step = J^T (J J^T + damping)^-1 x over the free joints, x being what stands at room.normal[21:27]."""
     n = free.shape[0]
     normal, y, step = room.normal, room.y, room.step
@@ -181,7 +182,7 @@ def _descend(chain: Any, search: Any, room: Any) -> tuple[float, int, bool]:
         steps += 1
         pressed = _release(q, chain.lower, chain.upper, state, free)
         _copy(state, 1, 6, normal, 21)
-        _damped_step(search.multipliers, state, free, DAMPING * cost * boost, room)
+        damped_step(search.multipliers, state, free, DAMPING * cost * boost, room)
         _move(chain, q, room.step, min(1.0, LARGEST_STEP / (_largest(room.step) + 1e-300)), source)
         call_kernel(search.task, source, trial)
         trial_cost = _cost(trial)
@@ -217,7 +218,7 @@ def _along_nullspace(chain: Any, search: Any, room: Any) -> None:
             for k in range(n):
                 total += state[7 + 6 * k + i] * slope[1 + k] * free[k]
             room.normal[21 + i] = total
-        _damped_step(search.multipliers, state, free, 0.0, room)
+        damped_step(search.multipliers, state, free, 0.0, room)
         pressed = False
         for k in range(n):
             step[k] = (slope[1 + k] - step[k]) * free[k]
@@ -276,7 +277,7 @@ def solve_rows(
 ) -> None:
     """Solve rows first .. last of goals (12 N,); starts (n N,) or (0,); preferred (n N,) or (0,); to q (n N,)."""
     n, given = chain.lower.shape[0], min(starts.shape[0], 1)
-    room = _room(n)
+    room = scratch(n)
     _copy(search.weights, 0, 6, room.source, n + 12)
     enough = search.tolerance * search.tolerance
     for row in range(first, last):
