@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 import re
@@ -73,13 +74,15 @@ def test_pendulum_is_the_specification_s():
     assert (model.joints[0].friction.viscous, model.joints[0].friction.coulomb_positive) == (0.05, 0)
 
 
-def test_planar_arm_is_the_textbook_s():
-    """Siciliano et al., Robotics, 7.3.2: B, c and g of the two-link planar arm (rotors reflected)."""
+@pytest.mark.parametrize("rotors", ["reflected", "full"])
+def test_planar_arm_is_the_textbook_s(rotors):
+    """Siciliano et al., Robotics, 7.3.2: B, c and g of the two-link planar arm; its k I_m in b12 takes full rotors."""
     a1, l1, l2, ml, Il, mm, Im, k, g = 1.0, 0.5, 0.5, 50.0, 10.0, 5.0, 0.01, 100.0, 9.81
-    model = preset("planar2r")
+    model = dataclasses.replace(preset("planar2r"), rotors=rotors)
+    coupling = k * Im if rotors == "full" else 0.0
     for q1, q2, d1, d2 in np.random.default_rng(6).uniform(-3, 3, (10, 4)):
         b22 = Il + ml * l2**2 + k**2 * Im
-        b12 = Il + ml * (l2**2 + a1 * l2 * math.cos(q2))
+        b12 = Il + ml * (l2**2 + a1 * l2 * math.cos(q2)) + coupling
         b11 = 2 * Il + ml * l1**2 + k**2 * Im + ml * (a1**2 + l2**2 + 2 * a1 * l2 * math.cos(q2)) + Im + mm * a1**2
         np.testing.assert_allclose(float_arm.mass_matrix(model, [q1, q2]), [[b11, b12], [b12, b22]], rtol=1e-13)
         h = -ml * a1 * l2 * math.sin(q2)

@@ -36,7 +36,7 @@ def model() -> ArmModel:
         limits=[JointLimits(speed=10.0, acceleration=50.0, torque=30.0)],
         bodies=[cylinder(2.0, LENGTH, 0.01, "x", -LENGTH)],
     )
-    motor = Motor(gear_ratio=50.0, rotor_inertia=2e-5)
+    motor = Motor(gear_ratio=50.0, rotor_inertia=2e-5, axis=(0.0, 0.0, 1.0))
     joint = dataclasses.replace(arm.joints[0], name="pivot", motor=motor, friction=Friction(0.05, 0.0, 0.0))
     poses = {"zero": (0.0,), "upright": (3.141592653589793,)}
     return dataclasses.replace(arm, joints=(joint,), base=HANGING, poses=poses, card=__doc__ or "")

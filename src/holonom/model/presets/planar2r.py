@@ -11,8 +11,8 @@ Model card
 The two-link planar arm of B. Siciliano, L. Sciavicco, L. Villani, G. Oriolo, Robotics, section 7.3.2, with the numbers
 of its exercises: link lengths 1 m, centres of mass half-way, link masses 50 kg, link inertias 10 kg m2, rotor masses
 5 kg, rotor inertias 0.01 kg m2, gear ratios 100. Motor 2 sits on link 1 at joint 2; as a locked rotor it is part of
-that link here, so the books' B and g follow with rotors="reflected" but for the terms k_r I_m2 (1 kg m2) that couple
-the rotor to the other joint. Moments of inertia across the plane's normal never act and are those of a rod.
+that link here. With rotors="full" the book's B and g follow; "reflected" (the default) leaves out what couples the
+rotor to the other joint, k_r I_m2 = 1 kg m2. Moments across the plane's normal never act and are those of a rod.
 No limits are published; the plane stands upright by the base transform (z_0 points along -y of the world).
 """
 
@@ -46,6 +46,6 @@ def model() -> ArmModel:
     arm = arm_model_from_dh(
         [DHRow(a=1.0), DHRow(a=1.0)], convention="standard", name="planar2r", bodies=[_first_link(), second]
     )
-    motor = Motor(gear_ratio=GEAR, rotor_inertia=ROTOR_INERTIA)
+    motor = Motor(gear_ratio=GEAR, rotor_inertia=ROTOR_INERTIA, axis=(0.0, 0.0, 1.0))
     joints = tuple(dataclasses.replace(joint, motor=motor) for joint in arm.joints)
     return dataclasses.replace(arm, joints=joints, base=UPRIGHT, poses=POSES, card=__doc__ or "")

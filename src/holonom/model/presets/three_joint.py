@@ -35,7 +35,7 @@ BODIES = (
     cylinder(1.5, UPPER, 0.025, "x", -UPPER),
     cylinder(0.8, FORE, 0.02, "x", -FORE),
 )
-MOTOR = Motor(gear_ratio=100.0, rotor_inertia=5e-6)
+MOTOR = Motor(gear_ratio=100.0, rotor_inertia=5e-6, axis=(0.0, 0.0, 1.0))
 FRICTION = Friction(0.1, 0.2, 0.2)
 POSES = {"zero": (0.0, 0.0, 0.0), "ready": (0.0, math.pi / 3, -math.pi / 2)}
 
