@@ -134,6 +134,17 @@ def test_the_tool_is_the_link_that_is_called_so_else_the_first_of_the_farthest(n
     assert model.tool[2][3] == hands.index(tip) + 1
 
 
+def test_a_hand_not_its_finger_is_the_tool():
+    links = list(map(link, ("palm", "left", "right", "left_end")))
+    hand = joint("h", "b", "palm", '<origin xyz="0 0 5"/>', "fixed")
+    fingers = joint("l", "palm", "left"), joint("r", "palm", "right", LIMIT + '<mimic joint="l"/>')
+    end = joint("e", "left", "left_end", "", "continuous")
+    model = read_urdf(robot(*ARM, *links, hand, *fingers, end))
+    assert (model.tip, model.tool[2][3]) == (0, 5)
+    longer = link("nail"), joint("m", "left_end", "nail", "", "continuous")
+    assert read_urdf(robot(*ARM, *links, hand, *fingers, end, *longer)).tip == 4
+
+
 def test_root_and_tip_are_links_of_choice():
     text = robot(*map(link, "abcd"), joint("j1", "a", "b"), joint("j2", "b", "c"), joint("j3", "c", "d"))
     model = read_urdf(text, root="b", tip="c")

@@ -38,9 +38,10 @@ def read_urdf(
     source : a file, or the text of one (any string with a "<").
     root : the link that is the base; only what hangs on it is read. By default the link that no joint carries.
     tip : the link that is the tool. By default the link called `tcp`, `tool0`, `tool`, `tool_link`, `tip`, `ee`,
-        `ee_link`, `end_effector` or `flange` (in this order, also behind a prefix as in `left_tool0`); of several, or
-        where none is so called, the one behind the most joints that move on their own, then behind the most links,
-        then the first in the file.
+        `ee_link`, `ee_gripper_link`, `end_effector` or `flange` (in this order, also behind a prefix as in
+        `left_tool0`); of several, or where none is so called, the one behind the most joints that move on their own,
+        then behind the most links, then the first in the file; if that is the finger of a hand (a link before two or
+        more branches of at most two joints each), the hand.
     check_inertia : whether an inertia that no rigid body has is an error (True), a warning ("warn") or read as it is.
 
     Returns

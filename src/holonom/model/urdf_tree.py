@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import heapq
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from typing import TypeVar
 
@@ -15,8 +15,11 @@ __all__ = ["by_name", "in_order", "root_of", "tip_of"]
 
 Part = TypeVar("Part", UrdfLink, UrdfJoint)
 
-TOOL_NAMES = ("tcp", "tool0", "tool", "tool_link", "tip", "ee", "ee_link", "end_effector", "flange")
+TOOL_NAMES = ("tcp", "tool0", "tool", "tool_link", "tip", "ee", "ee_link", "ee_gripper_link", "end_effector", "flange")
 """What the tool's link is called by convention, best first; also behind a prefix, as in `left_tool0`."""
+
+FINGER_JOINTS = 2
+"""The most joints in a row that are still taken for a finger."""
 
 
 def by_name(parts: Sequence[Part]) -> dict[str, Part]:
@@ -95,8 +98,29 @@ def tip_of(ordered: Sequence[UrdfJoint], root: str) -> str:
         leaves.pop(joint.parent, None)
         leaves[joint.child] = None
     for convention in TOOL_NAMES:
-        named = [link for link in depth if link.lower() == convention or link.lower().endswith("_" + convention)]
-        named = [link for link in named if depth[link][0] > 0]
-        if named:
-            return max(named, key=lambda link: depth[link][0])
-    return max(leaves, key=lambda link: depth[link])
+        called = [link for link in depth if link.lower() == convention or link.lower().endswith(f"_{convention}")]
+        called = [link for link in called if depth[link][0] > 0]
+        if called:
+            return max(called, key=lambda link: depth[link][0])
+    farthest = max(leaves, key=lambda link: depth[link])
+    return _hand(farthest, ordered, root) or farthest
+
+
+def _hand(finger: str, ordered: Sequence[UrdfJoint], root: str) -> str | None:
+    """The link before a finger, if the way to it ends in two or more moving branches of a few joints each."""
+    body = {root: root}  # the first link of the rigid body that a link belongs to
+    for joint in ordered:
+        body[joint.child] = body[joint.parent] if joint.kind == "fixed" else joint.child
+    moving = [joint for joint in ordered if joint.kind != "fixed"]
+    branches = Counter(body[joint.parent] for joint in moving)
+    height: defaultdict[str, int] = defaultdict(int)
+    for joint in reversed(moving):
+        height[body[joint.parent]] = max(height[body[joint.parent]], height[joint.child] + 1)
+    carrier = {joint.child: joint for joint in ordered}
+    hand = None
+    while finger != root:
+        joint = carrier[finger]
+        finger, palm = joint.parent, body[joint.parent]
+        if joint.kind != "fixed" and palm != root and branches[palm] > 1 and height[palm] <= FINGER_JOINTS:
+            hand = finger
+    return hand
