@@ -44,7 +44,7 @@ from holonom.model import ArmModel
 __all__ = ["FAMILIES", "REGIONS", "ClosedForm", "closed_form"]
 
 Names = Sequence[str]
-ROUNDING = 3e-9
+ROUNDING = 5e-9
 """What an arm may depart from its closed form without refinement (pi / 2 with ten digits)."""
 
 

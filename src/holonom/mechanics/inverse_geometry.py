@@ -15,7 +15,18 @@ from holonom.mechanics.equations.vectors import Matrix, Pose, Vector, compose, d
 from holonom.model import ArmModel, JointLimits
 from holonom.trace import Kernel, Number, atan2, compile, less, select
 
-__all__ = ["LIMIT", "OK", "REACHED", "SINGULAR", "UNREACHABLE", "inverse_geometry", "inverse_kernel", "refined"]
+__all__ = [
+    "LIMIT",
+    "LIMIT_TOLERANCE",
+    "OK",
+    "REACHED",
+    "SINGULAR",
+    "UNREACHABLE",
+    "inverse_geometry",
+    "inverse_kernel",
+    "pose_error",
+    "refined",
+]
 
 Array = NDArray[np.float64]
 
@@ -147,15 +158,15 @@ def refined(
     better = q
     for _ in range(3):
         inverse = np.linalg.pinv(jacobian(better)[..., :rows, :], rcond=1e-7)
-        better = better + np.einsum("...ij,...j->...i", inverse, _error(fk(better), goal, rows))
-    missed = np.linalg.norm(_error(fk(better), goal, rows), axis=-1) > REACHED
+        better = better + np.einsum("...ij,...j->...i", inverse, pose_error(fk(better), goal, rows))
+    missed = np.linalg.norm(pose_error(fk(better), goal, rows), axis=-1) > REACHED
     missed |= status == UNREACHABLE
     outside = ((better < limits[0] - LIMIT_TOLERANCE) | (better > limits[1] + LIMIT_TOLERANCE)).any(-1)
     rest = np.where(outside, LIMIT, np.where(status == SINGULAR, SINGULAR, OK))
     return np.where(missed[..., None], q, better), np.where(missed, UNREACHABLE, rest).astype(np.int8)
 
 
-def _error(T: Array, goal: Array, rows: int) -> Array:
+def pose_error(T: Array, goal: Array, rows: int) -> Array:
     """Place, and for six rows sine of the angle times the axis, that T still has to go: (..., rows)."""
     if rows == 3:
         return np.asarray(goal - T[..., :3, 3])

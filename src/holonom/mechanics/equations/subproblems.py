@@ -123,12 +123,13 @@ def moved(screw: Screw, value: Value, x: Vector) -> list[Number]:
     return add(x, scale(value, screw.h))
 
 
-def turn_onto(h: Vector, a: Vector, b: Vector, rest: Turn = NO_TURN, least: float = FREE) -> tuple[Turn, Truth]:
+def turn_onto(h: Vector, a: Vector, b: Vector, rest: Turn = NO_TURN) -> tuple[Turn, Truth]:
     """The turn about h that brings a upon b as seen along h (subproblem 1), and whether every turn does.
 
-    `least` is compared with the product of their distances from h.
+    Both are equally far from h, hence the square. (h x a) . (h x b) keeps its digits where both are nearly along h.
     """
-    return unit(dot(a, b) - dot(h, a) * dot(h, b), dot(h, cross(a, b)), rest, least)
+    quarter = cross(h, a)
+    return unit(dot(quarter, cross(h, b)), dot(quarter, b), rest, FREE * FREE)
 
 
 def turns_to_level(
@@ -145,8 +146,8 @@ def turns_to_level(
     A cos + B sin = D has the solutions atan2(B, A) +- acos(D / |A, B|), the plus first. Out of reach both are the turn
     that comes nearest. `sine_square` is A^2 + B^2 - D^2 where the caller knows it without cancellation.
     """
-    height = dot(h, a) * dot(h, b)
-    A, B, D = dot(a, b) - height, dot(b, cross(h, a)), d - height
+    quarter = cross(h, a)
+    A, B, D = dot(quarter, cross(h, b)), dot(quarter, b), d - dot(h, a) * dot(h, b)
     middle, free = unit(A, B, rest)
     square = A * A + B * B - D * D if sine_square is None else sine_square
     half, _ = unit(D, sqrt(maximum(square, 0.0)))
