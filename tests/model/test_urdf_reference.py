@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from xml.etree import ElementTree
 
 import float_arm
 import numpy as np
@@ -118,6 +119,15 @@ def test_no_shipped_robot_is_left_out(data_folder):
     assert {str(file.relative_to(folder(data_folder))) for file in folder(data_folder).rglob("*.urdf")} == set(ROBOTS)
 
 
+def test_random_robots_have_every_kind_of_joint():
+    models = [read_urdf(random_urdf(*shape)) for shape in RANDOM]
+    joints = [joint for model in models for joint in model.joints]
+    assert {"revolute", "prismatic"} == {joint.kind for joint in joints}
+    assert sum(joint.mimic is not None for joint in joints) >= 2
+    assert any(np.isinf(joint.limits.upper) for joint in joints)
+    assert any(model.parent(i) != i - 1 for model in models for i in range(len(model.joints)))
+
+
 @pytest.mark.parametrize(("seed", "links"), RANDOM)
 def test_random_robots_keep_the_laws(seed, links):
     check_laws(read_urdf(random_urdf(seed, links)), seed)
@@ -126,25 +136,26 @@ def test_random_robots_keep_the_laws(seed, links):
 class Peer:
     """Pinocchio's model of a URDF, its q arranged as ours: mimics spread, continuous joints as (cos, sin)."""
 
-    def __init__(self, pin, text, model):
-        self.pin, self.ours = pin, model
+    def __init__(self, pin, text, names):
+        self.pin = pin
         self.model = pin.buildModelFromXML(text)
         self.data = self.model.createData()
-        self.joints = [self.model.joints[self.model.getJointId(joint.name)] for joint in model.joints]
-        self.G = np.zeros((self.model.nv, len(model.independent)))  # how its rates follow from ours
-        column = {i: k for k, i in enumerate(model.independent)}
-        for i, (joint, theirs) in enumerate(zip(model.joints, self.joints, strict=True)):
-            follows = joint.mimic
-            k, factor = (column[i], 1.0) if follows is None else (column[follows.joint], follows.multiplier)
-            self.G[theirs.idx_v, k] = factor
+        self.joints = list(self.model.joints)[1:]
+        self.G = np.zeros((self.model.nv, len(names)))  # theirs = G ours + offset
+        self.offset = np.zeros(self.model.nv)
+        follows = {joint.get("name"): joint.find("mimic") for joint in ElementTree.fromstring(text).iter("joint")}
+        for name, joint in zip(list(self.model.names)[1:], self.joints, strict=True):
+            mimic = follows[name]
+            master = name if mimic is None else mimic.get("joint")
+            self.G[joint.idx_v, names.index(master)] = 1.0 if mimic is None else float(mimic.get("multiplier"))
+            self.offset[joint.idx_v] = 0.0 if mimic is None else float(mimic.get("offset"))
 
     def q(self, q):
         full = np.zeros(self.model.nq)
-        for joint, theirs in zip(self.ours.joints, self.joints, strict=True):
-            angle = self.G[theirs.idx_v] @ q + (0.0 if joint.mimic is None else joint.mimic.offset)
-            full[theirs.idx_q] = angle
-            if theirs.nq == 2:
-                full[theirs.idx_q : theirs.idx_q + 2] = np.cos(angle), np.sin(angle)
+        for joint, angle in zip(self.joints, self.G @ q + self.offset, strict=True):
+            full[joint.idx_q] = angle
+            if joint.nq == 2:
+                full[joint.idx_q : joint.idx_q + 2] = np.cos(angle), np.sin(angle)
         return full
 
     def fk(self, q, link):
@@ -180,7 +191,7 @@ def compare(peer, model, tip, q, qd, qdd):
 def test_shipped_robots_agree_with_pinocchio(pinocchio, data_folder, robot, tip):
     text = (folder(data_folder) / robot).read_text().partition("?>")[2]
     model = read_urdf(text, tip=tip)
-    peer = Peer(pinocchio, text, model)
+    peer = Peer(pinocchio, text, Arm(model).limits.names)
     for q, qd, qdd in np.random.default_rng(1).uniform(-3, 3, (5, 3, 6)):
         compare(peer, model, tip, q, qd, qdd)
 
@@ -191,7 +202,7 @@ def test_random_robots_agree_with_pinocchio(pinocchio, seed, links):
     text = random_urdf(seed, links)
     model = read_urdf(text)
     tip = next(f.name for f in model.frames if f.joint == model.tip and f.pose == model.tool)
-    peer = Peer(pinocchio, text, model)
+    peer = Peer(pinocchio, text, Arm(model).limits.names)
     for q, qd, qdd in np.random.default_rng(seed).uniform(-2, 2, (5, 3, len(model.independent))):
         compare(peer, model, tip, q, qd, qdd)
 
@@ -200,7 +211,7 @@ def test_random_robots_agree_with_pinocchio(pinocchio, seed, links):
 def test_angles_of_a_thousand_turns_keep_nine_digits(pinocchio, data_folder):
     text = (folder(data_folder) / ROBOTS[2]).read_text().partition("?>")[2]
     arm = Arm(read_urdf(text, tip="ee_link"))
-    peer = Peer(pinocchio, text, arm.model)
+    peer = Peer(pinocchio, text, arm.limits.names)
     q, qd, qdd = np.random.default_rng(2).uniform(-1, 1, (3, 200, 6)) * [[[1e4]], [[2]], [[2]]]
     T, tau = arm.fk(q), arm.inverse_dynamics(q, qd, qdd)
     expected = np.array([peer.inverse_dynamics(*row) for row in zip(q, qd, qdd, strict=True)])
