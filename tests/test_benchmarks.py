@@ -19,12 +19,13 @@ def test_every_benchmark_runs(tmp_path, capsys):
         "forward dynamics",
         "forward kinematics",
         "inverse branches",
+        "numerical inverse",
         "one call",
         "six axes",
     ):
         assert verb in names
     assert all(f["ours"] > 0.0 for f in figures)
-    assert all(f["peer"] is None or f["ratio"] == pytest.approx(f["peer"] / f["ours"]) for f in figures)
+    assert all((f["ratio"] is None) == (f["peer"] is None) for f in figures)
 
 
 def test_ratios_point_the_right_way():
