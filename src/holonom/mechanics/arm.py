@@ -6,7 +6,6 @@ import dataclasses
 import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from enum import IntEnum
 from pathlib import Path
 from typing import Any, Literal
 
@@ -17,6 +16,7 @@ from holonom.errors import InputError, ShapeError, UnknownName
 from holonom.mechanics import inverse_geometry
 from holonom.mechanics.closed_form import FAMILIES, ClosedForm, closed_form
 from holonom.mechanics.equations.inertia import fixed_to_body
+from holonom.mechanics.ik_result import IkCase, IkNearest, IkResult, IkStatus
 from holonom.mechanics.kernels import make_kernel
 from holonom.model import ArmModel, Body, DHRow, JointLimits, arm_model_from_dh, constant_transform, load_model
 from holonom.spatial import check_pose
@@ -25,76 +25,6 @@ from holonom.trace import Kernel
 __all__ = ["Arm", "IkCase", "IkNearest", "IkResult", "IkStatus", "Limits", "arm_from_dh", "load_arm"]
 
 Array = NDArray[np.float64]
-
-
-class IkStatus(IntEnum):
-    """What became of one branch of an inverse."""
-
-    OK = inverse_geometry.OK
-    UNREACHABLE = inverse_geometry.UNREACHABLE
-    LIMIT = inverse_geometry.LIMIT
-    SINGULAR = inverse_geometry.SINGULAR
-
-
-class IkCase(IntEnum):
-    """How many joint vectors reach a target, joint limits aside."""
-
-    OUT_OF_REACH = 0
-    REGULAR = 1
-    BOUNDARY = 2
-    ON_AXIS = 3
-
-
-@dataclass(frozen=True, slots=True)
-class IkResult:
-    """All branches of an inverse.
-
-    q : (..., k, n) rad or m; status : (..., k) int8, an `IkStatus`; names : the k branch names, explained in
-    `mechanics.closed_form`.
-    A SINGULAR branch reaches the target with a joint that is free (wrist straight; wrist on the axis of joint 1): it
-    is chosen 0. A LIMIT branch reaches it outside the joint limits. An UNREACHABLE one does not reach it: forward
-    kinematics misses it by more than 1e-8 (m, and the rotation's entries).
-    """
-
-    q: Array
-    status: NDArray[np.int8]
-    names: tuple[str, ...]
-
-    @property
-    def solutions(self) -> NDArray[np.int64]:
-        """Number of different joint vectors (...) that reach the target; -1 for infinitely many."""
-        reached = self.status != IkStatus.UNREACHABLE
-        count = (reached & ~self._repeated()).sum(-1)
-        return np.where((self.status == IkStatus.SINGULAR).any(-1), -1, count)
-
-    @property
-    def case(self) -> NDArray[np.int8]:
-        """The `IkCase` (...): out of reach; regular; branches meet (arm stretched); a joint is free (on its axis)."""
-        reached = self.status != IkStatus.UNREACHABLE
-        met = np.where((reached & self._repeated()).any(-1), IkCase.BOUNDARY, IkCase.REGULAR)
-        free = (self.status == IkStatus.SINGULAR).any(-1)
-        return np.where(reached.any(-1), np.where(free, IkCase.ON_AXIS, met), IkCase.OUT_OF_REACH).astype(np.int8)
-
-    def _repeated(self) -> NDArray[np.bool_]:
-        """Whether a branch (..., k) is an earlier one again."""
-        apart = self.q[..., :, None, :] - self.q[..., None, :, :]
-        same = np.abs(apart - 2.0 * np.pi * np.round(apart / (2.0 * np.pi))).max(-1) < 1e-6
-        both = (self.status != IkStatus.UNREACHABLE)[..., None, :]
-        earlier = np.tri(self.status.shape[-1], k=-1, dtype=bool)
-        return np.asarray((same & both & earlier).any(-1))
-
-
-@dataclass(frozen=True, slots=True)
-class IkNearest:
-    """The branch nearest to a joint vector: q (..., n), status (...), branch (...): its number in `names`.
-
-    Where the arm has no closed form there are no names, and `branch` is -1.
-    """
-
-    q: Array
-    status: NDArray[np.int8]
-    branch: NDArray[np.int64]
-    names: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -114,7 +114,8 @@ def _tracked(arm: Arm, T: ArrayLike, found: IkResult, start: int, first: Array, 
         ways = _turned(arm, found.q[i, reached], q[i - 1])
         best = ways[np.argmin(np.abs(ways - q[i - 1]).max(-1))]
         if (found.status[i] == IkStatus.SINGULAR).any():
-            best = _free_joints_kept(arm, np.asarray(T, dtype=float)[i], q[i - 1], best)
+            ahead = 2.0 * q[i - 1] - q[max(i - 2, 0)]
+            best = _free_joints_kept(arm, np.asarray(T, dtype=float)[i], ahead, best)
         step = np.abs(best - q[i - 1])
         if step.max() > jump:
             joint = arm.limits.names[int(np.argmax(step))]
@@ -124,7 +125,7 @@ def _tracked(arm: Arm, T: ArrayLike, found: IkResult, start: int, first: Array, 
 
 
 def _free_joints_kept(arm: Arm, T: Array, near: Array, otherwise: Array) -> Array:
-    """Where a joint is free, the solution nearest to the joints before: Newton's method with the least steps."""
+    """Where a joint is free, the solution nearest to where the joints were going: Newton's method, least steps."""
     rows = 6 if T.shape == (4, 4) else 3
     q = near
     for _ in range(8):
