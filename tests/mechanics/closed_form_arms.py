@@ -23,6 +23,8 @@ FAMILIES = {  # twists in degrees, lengths a, offsets d (ANY: random), kinds; al
     "3 slides": ((ANY, ANY, ANY, ANY, ANY, ANY), (0, ANY, ANY, 0, 0, 0), (ANY, ANY, ANY, 0, 0, ANY), "RRPRRR"),
     "scara, wrist": ((0, 180, ANY, ANY, ANY, 0), (ANY, ANY, ANY, 0, 0, 0), (ANY, ANY, 0, ANY, 0, ANY), "RRPRRR"),
     "1 slides": ((ANY, 0, ANY, ANY, ANY, ANY), (ANY, ANY, ANY, 0, 0, 0), (ANY, ANY, ANY, ANY, 0, ANY), "PRRRRR"),
+    "any spherical wrist": ((ANY,) * 6, (ANY, ANY, ANY, 0, 0, 0), (ANY, ANY, ANY, ANY, 0, ANY), "RRRRRR"),
+    "any three joints": ((ANY,) * 3, (ANY,) * 3, (ANY,) * 3, "RRR"),
     "three parallel": ((ANY, 0, 0, ANY, ANY, ANY), (ANY, ANY, ANY, ANY, 0, 0), (ANY,) * 6, "RRRRRR"),
     "three parallel, one against": ((90, 180, 0, 90, -90, 0), (0, ANY, ANY, 0, 0, 0), (ANY,) * 6, "RRRRRR"),
     "scara": ((0, 180, 0, 0), (ANY, ANY, 0, 0), (ANY, ANY, 0, ANY), "RRPR"),

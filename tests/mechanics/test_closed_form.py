@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from holonom.errors import InputError, NotAPose, ShapeError
 from holonom.mechanics import IkCase, IkStatus, arm_from_dh, load_arm
 from holonom.mechanics.closed_form import closed_form
+from holonom.mechanics.equations.general_arm import quartic_roots
 from holonom.model import DHRow, JointLimits, constant_transform
 
 CLOSED = [arm for arm in presets() if arm.closed_form is not None]
@@ -23,7 +24,7 @@ URDFS = {
 }
 
 
-def _law(model, rng, count):
+def _law(model, rng, count, exact=1e-11):
     """Every branch that is said to reach a pose does, and the joints that made it are among them."""
     for _ in range(count):
         q0 = rng.uniform(-2.5, 2.5, len(model.joints))
@@ -31,14 +32,15 @@ def _law(model, rng, count):
         q, status = solve(model, T)
         assert np.isfinite(q).all()
         reached = status != IkStatus.UNREACHABLE
-        assert max(miss(model, row, T) for row in q[reached]) < 1e-11
+        assert max(miss(model, row, T) for row in q[reached]) < exact
         assert apart(model, q[reached], q0).min() < 1e-7
 
 
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("family", FAMILIES)
 def test_random_arms_of_each_family(family, seed):
-    _law(family_model(family, seed), np.random.default_rng(seed), 10)
+    exact = 1e-8 if family.startswith("any") else 1e-11  # roots of a quartic that nearly meet
+    _law(family_model(family, seed), np.random.default_rng(seed), 10, exact)
 
 
 @pytest.mark.parametrize("family", ["2 parallel to 3", "1 meets 2", "three parallel"])
@@ -255,6 +257,17 @@ def test_points_are_checked():
         arm.ik([np.nan, 0.0, 0.0])
 
 
+def test_quartic_roots():
+    rng = np.random.default_rng(16)
+    for _ in range(100):
+        roots = np.sort(rng.uniform(-3, 3, 4))
+        apart_ = np.diff(roots).min()
+        found = np.sort(quartic_roots(*np.poly(roots)[1:].tolist()))
+        np.testing.assert_allclose(found, roots, atol=1e-12 / min(apart_, 1.0) ** 3)
+    np.testing.assert_allclose(np.sort(quartic_roots(0.0, -5.0, 0.0, 4.0)), [-2.0, -1.0, 1.0, 2.0], atol=1e-14)
+    np.testing.assert_allclose(np.sort(quartic_roots(0.0, 0.0, 0.0, -1.0))[[0, 3]], [-1.0, 1.0], atol=1e-14)
+
+
 def _peer(eaik, model):
     """EAIK's arm from joint axes at q = 0, and the tool's pose in its last frame."""
     T, axes, points = np.array(model.base), [], []
@@ -271,7 +284,16 @@ def _peer(eaik, model):
 @pytest.mark.oracle
 @pytest.mark.parametrize(
     "name",
-    ["puma560", "ur5e", "2 parallel to 3", "1 parallel to 2", "1 meets 2", "2 meets 3", "three parallel"],
+    [
+        "puma560",
+        "ur5e",
+        "2 parallel to 3",
+        "1 parallel to 2",
+        "1 meets 2",
+        "2 meets 3",
+        "any spherical wrist",
+        "three parallel",
+    ],
 )
 def test_the_same_solutions_as_eaik(name):
     """EAIK (Ostermeier, Külz & Althoff 2024) finds the same joints, each of which reaches the pose."""
@@ -285,12 +307,11 @@ def test_the_same_solutions_as_eaik(name):
         T = fk(model, q0)
         asked = T.copy()
         asked[:3, :3] = T[:3, :3] @ R_home.T
-        answer = peer.IK(asked)
-        theirs = [q for q, approximate in zip(answer.Q, answer.is_LS, strict=True) if not approximate]
-        theirs = np.array([q for q in theirs if miss(model, q, T) < 1e-6])
+        theirs = np.array([q for q in peer.IK(asked).Q if miss(model, q, T) < 1e-6])
         q, status = solve(model, T)
         ours = q[status != IkStatus.UNREACHABLE]
-        assert max(apart(model, ours, row).min() for row in theirs) < 1e-5
-        assert max(apart(model, theirs, row).min() for row in ours) < 1e-5
+        assert all(apart(model, ours, row).min() < 1e-5 for row in theirs)
+        if name != "any spherical wrist":  # there it searches, and misses some
+            assert all(apart(model, theirs, row).min() < 1e-5 for row in ours)
         compared += len(theirs)
     assert compared >= 50

@@ -15,7 +15,8 @@ Branch names. `righty` and `lefty`: the arm stands right or left of the line fro
 (`front` and `back` where it has no lateral offset: facing the wrist, or bent over backwards); for planar arms the
 elbow is right or left of the line from joint 1 to the tool. `above` and `below`: the elbow, against the line from
 shoulder to wrist. `noflip` and `flip`: the middle joint of the wrist on the positive or negative side of straight.
-`q3+` and `q3-`: joint 3 on the larger or smaller side of where both solutions meet.
+`q3+` and `q3-`: joint 3 on the larger or smaller side of where both solutions meet. `way1` to `way4`: the roots of a
+quartic, which change places; follow them with `mechanics.paths`.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from holonom.mechanics.equations.general_arm import general
 from holonom.mechanics.equations.parallel_axes import planar_point, planar_pose, three_parallel
 from holonom.mechanics.equations.regional import (
     Regional,
@@ -176,6 +178,12 @@ def _meeting_23(screws: Sequence[Screw], c: Vector) -> Region | None:
     return Region(placed, backwards(meeting_12), _named(("q1-", "q1+"), ("q3+", "q3-")))
 
 
+def _any(screws: Sequence[Screw], c: Vector) -> Region | None:
+    if _kinds(screws) != "RRR" or parallel(screws[0], screws[1]) or parallel(screws[1], screws[2]):
+        return None
+    return Region(screws, general, ("way1", "way2", "way3", "way4"))
+
+
 REGIONS: Mapping[str, Callable[[Sequence[Screw], Vector], Region | None]] = {
     "2 parallel to 3": _parallel_23,
     "1 parallel to 2": _parallel_12,
@@ -183,6 +191,7 @@ REGIONS: Mapping[str, Callable[[Sequence[Screw], Vector], Region | None]] = {
     "1 slides, 2 parallel to 3": _slide_parallel_23,
     "1 meets 2": _meeting_12,
     "2 meets 3": _meeting_23,
+    "any three turns": _any,
 }
 
 
