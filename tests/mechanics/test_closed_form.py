@@ -125,6 +125,19 @@ def test_a_straight_wrist_is_singular_and_reached():
     assert np.abs(singular[:, 3]).max() < 1e-12
 
 
+def test_a_ur_with_its_tool_along_the_parallel_axes_is_reached():
+    model = load_arm("ur5e").model
+    rng = np.random.default_rng(17)
+    for _ in range(40):
+        q0 = rng.uniform(-2.5, 2.5, 6)
+        q0[4] = 0.0
+        T = fk(model, q0)
+        q, status = solve(model, T)
+        singular = q[status == IkStatus.SINGULAR]
+        assert len(singular) >= 2
+        assert max(miss(model, row, T) for row in singular) < 1e-8
+
+
 def three_joint():
     return arm_from_dh([DHRow(alpha=np.pi / 2, d=0.3), DHRow(a=0.25), DHRow(a=0.2)], convention="standard", name="j3")
 

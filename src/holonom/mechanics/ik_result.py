@@ -40,8 +40,9 @@ class IkResult:
     q : (..., k, n) rad or m; status : (..., k) int8, an `IkStatus`; names : the k branch names, explained in
     `mechanics.closed_form`.
     A SINGULAR branch reaches the target with a joint that is free (wrist straight; wrist on the axis of joint 1): it
-    is chosen 0. A LIMIT branch reaches it outside the joint limits. An UNREACHABLE one does not reach it: forward
-    kinematics misses it by more than 1e-8 (m, and the rotation's entries).
+    is chosen 0 (UR: joint 6, so that joint 4 is nearest to the shoulder). A LIMIT branch reaches it outside the joint
+    limits. An UNREACHABLE one does not reach it: forward kinematics misses it by more than 1e-8 (m, and the rotation's
+    entries).
     """
 
     q: Array

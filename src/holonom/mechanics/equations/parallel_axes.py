@@ -29,7 +29,8 @@ def three_parallel(screws: Sequence[Screw], G: Pose) -> list[Branch]:
     """Axes 2, 3 and 4 parallel, 5 and 6 meet in the point both screws name (UR): eight branches.
 
     That point moves with joints 1 to 4 only, and joints 2 to 4 keep its height along them: q1. The height of the tool
-    axis gives q5, the direction of the parallel axes q6; joints 2 to 4 are then a planar arm.
+    axis gives q5, the direction of the parallel axes q6; joints 2 to 4 are then a planar arm. Where the tool axis is
+    parallel to them q6 is free; joint 4 is then brought as near to the shoulder as it goes.
     """
     R, p = G
     first, parallel, wrist = screws[0], screws[1:4], screws[4:]
@@ -54,8 +55,10 @@ def _two_to_six(parallel: Sequence[Screw], wrist: Sequence[Screw], C: Sequence[V
     branches = []
     for q5 in turns:
         back5 = reverse(q5)
-        back6, free = turn_onto(s6.h, rotated(s5.h, back5, h), [dot(c, h) for c in C], reverse(s6.rest))
-        carried = [rotated(s6.h, back6, rotated(s5.h, back5, v)) for v in (x, sub(s4.p, s5.p))]
+        arm = rotated(s5.h, back5, sub(s4.p, s5.p))
+        folded, _ = turn_onto(s6.h, arm, [dot(c, sub(s2.p, o)) for c in C], reverse(s6.rest))
+        back6, free = turn_onto(s6.h, rotated(s5.h, back5, h), [dot(c, h) for c in C], folded)
+        carried = [rotated(s6.h, back6, v) for v in (rotated(s5.h, back5, x), arm)]
         total, _ = turn_onto(h, x, tvec(C, carried[0]))
         for triangle in two_parallel_turns(s2, s3, s4.p, add(o, tvec(C, carried[1]))):
             values = [*triangle.values, _remaining(total, h, parallel, triangle.values), q5, reverse(back6)]
