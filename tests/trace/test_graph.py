@@ -115,6 +115,7 @@ def test_graph_evaluates_like_floats(program, seed):
         "math": math,
         "arctan2": math.atan2,
         "select": lambda c, a, b: a if c else b,
+        "sqrt": math.sqrt,
         "sincos": lambda x: (math.sin(x), math.cos(x)),
     }
     last = traced[-1] if isinstance(traced[-1], Scalar) else graph.constant(traced[-1])

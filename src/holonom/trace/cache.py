@@ -33,7 +33,7 @@ def _environment() -> str:
     import llvmlite
     import numba
 
-    helpers = [Path(__file__).with_name(name).read_text() for name in ("elementary.py", "emit.py")]
+    helpers = [Path(__file__).with_name(name).read_text() for name in ("elementary.py", "emit.py", "lower.py")]
     return "\n".join([numba.__version__, llvmlite.__version__, sys.version, *helpers])
 
 
