@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from holonom.mechanics import Arm
+from holonom.model import ArmModel
 
 __all__ = ["eaik_robot", "peer", "pinocchio_model"]
 
@@ -40,8 +41,17 @@ def pinocchio_model(pin: Any, arm: Arm) -> Any:
     return model
 
 
-def eaik_robot(eaik_dh: Any, arm: Arm) -> Any:
-    """Build a standard-DH arm in EAIK (module `eaik.IK_DH`)."""
-    after = [np.array(joint.after) for joint in arm.model.joints]
-    alpha = np.array([np.arctan2(-T[1, 2], T[2, 2]) for T in after])
-    return eaik_dh.DhRobot(alpha, np.array([T[0, 3] for T in after]), np.array([T[2, 3] for T in after]))
+def eaik_robot(eaik: Any, model: ArmModel) -> tuple[Any, Any]:
+    """EAIK's arm (module `eaik.IK_HP`) from the joint axes at q = 0, and the tool's rotation there.
+
+    Ask it for `T` with `T[:3, :3] @ R_home.T` as the rotation.
+    """
+    T, axes, points = np.array(model.base), [], []
+    for joint in model.joints:
+        T = T @ np.array(joint.before)
+        axes.append(T[:3, 2])
+        points.append(T[:3, 3])
+        T = T @ np.array(joint.after)
+    tool = T @ np.array(model.tool)
+    steps = np.diff([np.zeros(3), *points, tool[:3, 3]], axis=0)
+    return eaik.HPRobot(np.array(axes), steps), tool[:3, :3]

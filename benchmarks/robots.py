@@ -12,9 +12,9 @@ __all__ = ["ROBOTS", "median", "medians"]
 ROBOTS = ("puma560", "ur5e", "panda")
 
 
-def medians(measure: Callable[[Arm], Sequence[float | None]]) -> list[float | None]:
+def medians(measure: Callable[[Arm], Sequence[float | None]], robots: Sequence[str] = ROBOTS) -> list[float | None]:
     """Measure every robot and return the median of each number; None where a peer is missing."""
-    rows = [measure(load_arm(name)) for name in ROBOTS]
+    rows = [measure(load_arm(name)) for name in robots]
     return [median(column) for column in zip(*rows, strict=True)]
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from arms import presets
 from closed_form_arms import FAMILIES, apart, backwards, family_model, fk, form_of, miss, solve
+from peers import eaik_robot
 from scipy.spatial.transform import Rotation
 
 from holonom.errors import InputError, NotAPose, ShapeError
@@ -281,19 +282,6 @@ def test_quartic_roots():
     np.testing.assert_allclose(np.sort(quartic_roots(0.0, 0.0, 0.0, -1.0))[[0, 3]], [-1.0, 1.0], atol=1e-14)
 
 
-def _peer(eaik, model):
-    """EAIK's arm from joint axes at q = 0, and the tool's pose in its last frame."""
-    T, axes, points = np.array(model.base), [], []
-    for joint in model.joints:
-        T = T @ np.array(joint.before)
-        axes.append(T[:3, 2])
-        points.append(T[:3, 3])
-        T = T @ np.array(joint.after)
-    tool = T @ np.array(model.tool)
-    steps = np.diff([np.zeros(3), *points, tool[:3, 3]], axis=0)
-    return eaik.HPRobot(np.array(axes), steps), tool[:3, :3]
-
-
 @pytest.mark.oracle
 @pytest.mark.parametrize(
     "name",
@@ -312,7 +300,7 @@ def test_the_same_solutions_as_eaik(name):
     """EAIK (Ostermeier, Külz & Althoff 2024) finds the same joints, each of which reaches the pose."""
     eaik = pytest.importorskip("eaik.IK_HP", reason="EAIK is not installed (extra 'oracle')")
     model = family_model(name, 5) if name in FAMILIES else load_arm(name).model
-    peer, R_home = _peer(eaik, model)
+    peer, R_home = eaik_robot(eaik, model)
     rng = np.random.default_rng(15)
     compared = 0
     for _ in range(25):

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from arms import presets, random_model, random_tree
+from peers import pinocchio_model
 
 from holonom.errors import InputError, MissingInertia, ShapeError, UnknownName
 from holonom.mechanics import Arm, arm_from_dh, load_arm
@@ -209,17 +210,7 @@ def test_against_pinocchio():
     """The same chain built in Pinocchio: an independent implementation, to rounding."""
     pin = pytest.importorskip("pinocchio", reason="Pinocchio is not installed (extra 'oracle')")
     arm = load_arm("puma560")
-    model = pin.Model()
-    parent, placement = 0, pin.SE3.Identity()
-    for k, (joint, body) in enumerate(zip(arm.model.joints, arm.model.bodies, strict=True)):
-        before, after = np.array(joint.before), np.array(joint.after)
-        parent = model.addJoint(parent, pin.JointModelRZ(), placement * pin.SE3(before[:3, :3], before[:3, 3]), f"j{k}")
-        xx, yy, zz, xy, yz, xz = body.inertia
-        inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-        link = pin.SE3(after[:3, :3], after[:3, 3])
-        model.appendBodyToJoint(parent, pin.Inertia(body.mass, np.array(body.com), inertia), link)
-        placement = link
-        model.armature[k] = joint.motor.gear_ratio**2 * joint.motor.rotor_inertia
+    model = pinocchio_model(pin, arm)
     data = model.createData()
     rng = np.random.default_rng(8)
     for _ in range(20):
