@@ -5,6 +5,7 @@
 ``trajectory``    `Trajectory`: the sampled joint path; `JointLimits`: what it keeps
 ``joint``         `plan_joint`: point to point, all joints arrive together
 ``line``          `plan_line`: straight line of the tool, orientation by slerp
+``path``          `plan_path`: lines, arcs and splines of the tool, fly-by between them
 ``joint_path``    `joint_spline`: where the joints go, without a time
 ``retime``        `retime`: least time along a joint path; speed, acceleration and torque limits
 ``transfer``      `plan_transfer`: least time between moving states, jerk limited too
@@ -16,7 +17,8 @@
 from holonom.mechanics.motion.blend import blend, splice
 from holonom.mechanics.motion.joint import plan_joint
 from holonom.mechanics.motion.joint_path import JointPath, joint_spline
-from holonom.mechanics.motion.line import InverseSolutions, LineArm, plan_line
+from holonom.mechanics.motion.line import plan_line
+from holonom.mechanics.motion.path import ArcAbout, ArcTo, LineTo, Segment, SplineTo, plan_path
 from holonom.mechanics.motion.profile import (
     PROFILES,
     GridSamples,
@@ -29,11 +31,14 @@ from holonom.mechanics.motion.profile import (
 )
 from holonom.mechanics.motion.retime import DynamicArm, retime
 from holonom.mechanics.motion.stop import stop
+from holonom.mechanics.motion.tool import InverseSolutions, LineArm
 from holonom.mechanics.motion.trajectory import JointLimits, Trajectory
 from holonom.mechanics.motion.transfer import plan_transfer
 
 __all__ = [
     "PROFILES",
+    "ArcAbout",
+    "ArcTo",
     "DynamicArm",
     "GridSamples",
     "InverseSolutions",
@@ -42,13 +47,17 @@ __all__ = [
     "Law",
     "LawSamples",
     "LineArm",
+    "LineTo",
     "Rise",
+    "Segment",
+    "SplineTo",
     "Trajectory",
     "blend",
     "joint_spline",
     "on_grid",
     "plan_joint",
     "plan_line",
+    "plan_path",
     "plan_transfer",
     "retime",
     "sample",

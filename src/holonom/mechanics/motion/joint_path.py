@@ -29,8 +29,8 @@ class JointPath(Protocol):
         """Derivative number `nu` by s at s (N,): (N, n)."""
 
 
-def joint_spline(points: ArrayLike, *, degree: int = 3) -> JointPath:
-    """Interpolating spline through joint positions, its parameter the chord length.
+def joint_spline(points: ArrayLike, *, degree: int = 3, s: ArrayLike | None = None) -> JointPath:
+    """Interpolating spline through joint positions.
 
     Parameters
     ----------
@@ -38,6 +38,8 @@ def joint_spline(points: ArrayLike, *, degree: int = 3) -> JointPath:
         (k, n), k >= 2; neighbours differ.
     degree
         3: speeds and accelerations are continuous along the path; 5: jerk and its rate too. Natural ends.
+    s
+        The path's parameter at the points (k,), rising; the chord length if not given.
 
     Raises
     ------
@@ -50,18 +52,25 @@ def joint_spline(points: ArrayLike, *, degree: int = 3) -> JointPath:
         raise ShapeError(f"points have shape {q.shape}; give at least two finite configurations, (k, n)")
     if degree not in (3, 5):
         raise OutOfLimits(f"degree {degree} of a joint spline: give 3 or 5")
+    at = _chords(q) if s is None else np.asarray(s, dtype=np.float64)
+    if at.shape != q.shape[:1] or not (np.diff(at) > 0.0).all():
+        raise ShapeError(f"s of shape {at.shape} for {q.shape[0]} points; give one rising number per point")
+    if degree == 3:
+        path: JointPath = CubicSpline(at, q, bc_type="natural")
+        return path
+    free = [(3, np.zeros(q.shape[1])), (4, np.zeros(q.shape[1]))]
+    spline = make_interp_spline(at, q, k=5, bc_type=(free, free))
+    quintic: JointPath = PPoly([spline(at[:-1], m) / factorial(m) for m in range(5, -1, -1)], at)
+    return quintic
+
+
+def _chords(q: Array) -> Array:
+    """Lengths from the first point, along the chords."""
     steps = np.linalg.norm(np.diff(q, axis=0), axis=1)
     if not (steps > 0.0).all():
         k = int(np.argmin(steps))
         raise ShapeError(f"points {k} and {k + 1} are the same; leave one out")
-    s = np.concatenate([[0.0], np.cumsum(steps)])
-    if degree == 3:
-        path: JointPath = CubicSpline(s, q, bc_type="natural")
-        return path
-    free = [(3, np.zeros(q.shape[1])), (4, np.zeros(q.shape[1]))]
-    spline = make_interp_spline(s, q, k=5, bc_type=(free, free))
-    quintic: JointPath = PPoly([spline(s[:-1], m) / factorial(m) for m in range(5, -1, -1)], s)
-    return quintic
+    return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def place_of(path: JointPath, s: float) -> str:
