@@ -1,16 +1,28 @@
 """Kinematics, dynamics and motion of arms.
 
-=====================  ================================================================
-`Arm`, `load_arm`      the verbs: fk, jacobian, ik, inverse_dynamics, ...
-`mechanics.motion`     joint and tool trajectories, blending, retiming
-`mechanics.simulate`   an arm alone: free, under a law, many variations at once
-`mechanics.equations`  the textbook's equations, over floats or traced scalars
-=====================  ================================================================
+=======================  =====================================================================
+`Arm`, `load_arm`        the everyday verbs: fk, jacobian, ik, inverse_dynamics, ...
+`analysis`               manipulability, ellipsoids, named singularities, statics
+`paths`                  closed-form branches along a path
+`numerical_inverse`      inverse of any chain: limits, restarts, nullspace criteria
+`velocity`               joint rates near singularities, following a path without drift
+`motion`                 joint and tool trajectories, blending, retiming
+`simulate`               an arm alone: free, under a law, many variations at once
+`equations`              the textbook's equations, over floats or traced scalars
+=======================  =====================================================================
 """
 
-from holonom.mechanics import motion, simulate
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
 from holonom.mechanics.arm import Arm, IkCase, IkNearest, IkResult, IkStatus, Limits, arm_from_dh, load_arm
 
+if TYPE_CHECKING:
+    from holonom.mechanics import analysis, motion, numerical_inverse, paths, simulate, velocity
+
+_MODULES = ("analysis", "motion", "numerical_inverse", "paths", "simulate", "velocity")
 __all__ = [
     "Arm",
     "IkCase",
@@ -18,8 +30,19 @@ __all__ = [
     "IkResult",
     "IkStatus",
     "Limits",
+    "analysis",
     "arm_from_dh",
     "load_arm",
     "motion",
+    "numerical_inverse",
+    "paths",
     "simulate",
+    "velocity",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """Load a subject's module on first use."""
+    if name in _MODULES:
+        return importlib.import_module(f"holonom.mechanics.{name}")
+    raise AttributeError(f"module 'holonom.mechanics' has no attribute {name!r}; it has {', '.join(__all__)}")
