@@ -75,6 +75,26 @@ def test_named_singularities_lose_one_direction(arm, name, q):
     np.testing.assert_allclose(arm.jacobian(q) @ nullspace(arm, q), 0.0, atol=1e-12)
 
 
+def test_the_three_singularities_of_a_ur():
+    q = (0.4, -1.1, 1.3, -0.6, 0.9, 0.2)
+    arm = load_arm("ur5e")
+    assert not any(s.near for s in singularities(arm, q))
+    for name, joint, value in (("elbow", 2, 0.0), ("wrist", 4, 0.0)):
+        at = list(q)
+        at[joint] = value
+        nearest = singularities(arm, at)[0]
+        assert nearest.name == name
+        assert abs(nearest.value) < 1e-9
+        np.testing.assert_allclose(nearest.direction @ arm.jacobian(at), 0.0, atol=1e-9)
+    low, high = -1.1, 0.9  # the shoulder's: a sign change of its measure along joint 2, found by bisection
+    measure = lambda q2: {s.name: s.value for s in singularities(arm, [q[0], q2, *q[2:]])}["shoulder"]  # noqa: E731
+    assert measure(low) * measure(high) < 0.0
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if measure(low) * measure(middle) > 0.0 else (low, middle)
+    assert singular_values(arm, [q[0], low, *q[2:]])[-1] < 1e-9
+
+
 def test_power_does_not_depend_on_the_frame(arm):
     rng = np.random.default_rng(2)
     h, qd = rng.normal(size=6), rng.normal(size=6)

@@ -122,11 +122,14 @@ def singularities(arm: Arm, q: ArrayLike, *, tolerance: float = 0.02) -> tuple[S
 
     A Puma-type arm has three (specification 1.4): shoulder (wrist centre at its least distance |d3| from axis 1,
     `a2 c2 + a3 c23 - d4 s23 = 0`, m), elbow (stretched or folded, `a3 s3 + d4 c3 = 0`, m) and wrist (`s5 = 0`).
-    Any other arm has "smallest singular value".
+    An arm of three parallel axes (UR) has the same three: shoulder (the point where axes 5 and 6 meet lies in the
+    plane of
+    axes 1 and 2, m), elbow (sine of the angle between upper arm and forearm), wrist (sine of the angle between
+    axes 4 and 6). Any other arm has "smallest singular value".
     """
     J = _one(arm, q)
     direction = np.asarray(np.linalg.svd(J)[0][:, -1] if arm.n >= 6 else np.linalg.svd(J)[0][:, arm.n - 1])
-    measures = _puma_measures(arm, np.asarray(q, dtype=float))
+    measures = _puma_measures(arm, np.asarray(q, dtype=float)) or _parallel_measures(arm, q)
     if measures is None:
         measures = {"smallest singular value": float(np.linalg.svd(J, compute_uv=False)[-1])}
     found = [Singularity(name, value, abs(value) < tolerance, direction) for name, value in measures.items()]
@@ -143,6 +146,31 @@ def _puma_measures(arm: Arm, q: Array) -> dict[str, float] | None:
         "elbow": float(k.a3 * np.sin(q[2]) + k.d4 * np.cos(q[2])),
         "wrist": float(np.sin(q[4])),
     }
+
+
+def _parallel_measures(arm: Arm, q: ArrayLike) -> dict[str, float] | None:
+    """Axes 2, 3, 4 parallel, axes 5 and 6 meeting (the closed form asks for it)."""
+    closed = arm.closed_form
+    if closed is None or closed.family != "three parallel axes":
+        return None
+    z, p = _axes(arm, q)
+    side = np.cross(z[0], z[1])
+    upper, fore = (np.cross(z[1], d) for d in (p[2] - p[1], p[3] - p[2]))  # across the axes, turned by 90 deg
+    meeting = p[5] + z[5] * np.dot(np.cross(p[4] - p[5], z[4]), np.cross(z[5], z[4])) / np.sum(
+        np.cross(z[5], z[4]) ** 2
+    )
+    return {
+        "shoulder": float((meeting - p[1]) @ side / np.linalg.norm(side)),
+        "elbow": float(np.dot(np.cross(upper, fore), z[1]) / np.linalg.norm(upper) / np.linalg.norm(fore)),
+        "wrist": float(np.linalg.norm(np.cross(z[3], z[5]))),
+    }
+
+
+def _axes(arm: Arm, q: ArrayLike) -> tuple[Array, Array]:
+    """Directions and points (n, 3) of the joint axes in the world at q (n,)."""
+    frames = arm.frames(q)
+    at = [frames[arm.model.parent(i) + 1] @ np.array(joint.before) for i, joint in enumerate(arm.model.joints)]
+    return np.array([T[:3, 2] for T in at]), np.array([T[:3, 3] for T in at])
 
 
 def joint_torques(arm: Arm, q: ArrayLike, wrench: ArrayLike, frame: str = "world") -> Array:
