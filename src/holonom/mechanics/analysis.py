@@ -156,9 +156,8 @@ def _parallel_measures(arm: Arm, q: ArrayLike) -> dict[str, float] | None:
     z, p = _axes(arm, q)
     side = np.cross(z[0], z[1])
     upper, fore = (np.cross(z[1], d) for d in (p[2] - p[1], p[3] - p[2]))  # across the axes, turned by 90 deg
-    meeting = p[5] + z[5] * np.dot(np.cross(p[4] - p[5], z[4]), np.cross(z[5], z[4])) / np.sum(
-        np.cross(z[5], z[4]) ** 2
-    )
+    across = np.cross(z[5], z[4])
+    meeting = p[5] + z[5] * (np.cross(p[4] - p[5], z[4]) @ across) / (across @ across)
     return {
         "shoulder": float((meeting - p[1]) @ side / np.linalg.norm(side)),
         "elbow": float(np.dot(np.cross(upper, fore), z[1]) / np.linalg.norm(upper) / np.linalg.norm(fore)),
