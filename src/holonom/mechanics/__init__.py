@@ -1,15 +1,17 @@
 """Kinematics, dynamics and motion of arms.
 
-=======================  =====================================================================
+=======================  ==============================================================================
 `Arm`, `load_arm`        the everyday verbs: fk, jacobian, ik, inverse_dynamics, ...
 `analysis`               manipulability, ellipsoids, named singularities, statics
+`dynamics`               derivatives, Christoffel symbols, energies and momenta, rotor model, payload
+`jacobians`              rate and Hessian of the Jacobian, the one of Euler angle rates
 `paths`                  closed-form branches along a path
 `numerical_inverse`      inverse of any chain: limits, restarts, nullspace criteria
 `velocity`               joint rates near singularities, following a path without drift
 `motion`                 joint and tool trajectories, blending, retiming
 `simulate`               an arm alone: free, under a law, many variations at once
 `equations`              the textbook's equations, over floats or traced scalars
-=======================  =====================================================================
+=======================  ==============================================================================
 """
 
 from __future__ import annotations
@@ -20,9 +22,9 @@ from typing import TYPE_CHECKING, Any
 from holonom.mechanics.arm import Arm, IkCase, IkNearest, IkResult, IkStatus, Limits, arm_from_dh, load_arm
 
 if TYPE_CHECKING:
-    from holonom.mechanics import analysis, motion, numerical_inverse, paths, simulate, velocity
+    from holonom.mechanics import analysis, dynamics, jacobians, motion, numerical_inverse, paths, simulate, velocity
 
-_MODULES = ("analysis", "motion", "numerical_inverse", "paths", "simulate", "velocity")
+_MODULES = ("analysis", "dynamics", "jacobians", "motion", "numerical_inverse", "paths", "simulate", "velocity")
 __all__ = [
     "Arm",
     "IkCase",
@@ -32,6 +34,8 @@ __all__ = [
     "Limits",
     "analysis",
     "arm_from_dh",
+    "dynamics",
+    "jacobians",
     "load_arm",
     "motion",
     "numerical_inverse",

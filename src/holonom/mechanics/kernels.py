@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from holonom.errors import MissingInertia, UnknownName
-from holonom.mechanics import pose_kernels
+from holonom.mechanics import dynamics_kernels, jacobian_kernels, pose_kernels
 from holonom.mechanics.closed_form import FAMILIES, closed_form
 from holonom.mechanics.equations import (
     closed_loop,
@@ -15,9 +15,11 @@ from holonom.mechanics.equations import (
     kinematics,
     newton_euler,
 )
-from holonom.mechanics.equations.inertia import Inertial, from_body
+from holonom.mechanics.equations.inertia import Inertial
+from holonom.mechanics.equations.rotors import links_with_rotors
 from holonom.mechanics.equations.vectors import Pose, Vector, tvec
 from holonom.mechanics.inverse_geometry import inverse_kernel
+from holonom.mechanics.regressor_kernel import regressor_kernel
 from holonom.model import ArmModel
 from holonom.trace import Kernel, Number, compile
 
@@ -39,7 +41,7 @@ def bodies_of(model: ArmModel) -> list[Inertial]:
             f"arm {model.name!r} states no masses and inertias, so it has kinematics only; "
             "give bodies= (mass, com, inertia per link) for dynamics"
         )
-    return [from_body(body) for body in model.bodies]
+    return links_with_rotors(model, model.bodies)
 
 
 def frame_of(model: ArmModel, name: str) -> tuple[int | None, Pose | None]:
@@ -147,6 +149,11 @@ def _inverse_geometry(model: ArmModel, options: Options) -> Kernel:
     return inverse_kernel(model, form)
 
 
+def _of_bodies(build: Callable[[ArmModel, Sequence[Inertial], Options], Kernel]) -> Callable[..., Kernel]:
+    """The builder of a quantity of moving masses, given the links of the model."""
+    return lambda model, options: build(model, bodies_of(model), options)
+
+
 KERNELS: Mapping[str, Callable[[ArmModel, Options], Kernel]] = {
     "closed_loop": lambda model, options: closed_loop.closed_loop_kernel(model, bodies_of(model), options),
     "fk": _fk,
@@ -156,7 +163,10 @@ KERNELS: Mapping[str, Callable[[ArmModel, Options], Kernel]] = {
     "forward_dynamics": _forward_dynamics,
     "mass_matrix": _mass_matrix,
     "gravity": _gravity,
+    "regressor": regressor_kernel,
     "inverse_geometry": _inverse_geometry,
+    **{name: _of_bodies(build) for name, build in dynamics_kernels.DYNAMICS.items()},
+    **jacobian_kernels.JACOBIANS,
     "pose_task": pose_kernels.task,
     "criterion": pose_kernels.criterion,
 }

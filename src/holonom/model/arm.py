@@ -71,7 +71,7 @@ class Motor:
     Torque constant in N m/A (= back-EMF constant in V s/rad), resistance in ohm, inductance in H, inertia in kg m2
     at the motor, voltage in V, current in A.
 
-    The rotor turns about `axis` (a unit vector) at `position`, both in the frame that carries the joint. Its `mass` (kg)
+    The rotor turns about `axis` (a unit vector) at `position`, both in the frame that carries the joint. `mass` (kg)
     and `transverse_inertia` (about the other two axes) count where the links' do not include the rotors.
     """
 

@@ -1,0 +1,205 @@
+"""Derivatives of the dynamics, Christoffel symbols, energies and momenta, rotor model and payload.
+
+Inverse and forward dynamics, mass and Coriolis matrix and gravity are methods of `Arm`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from holonom.mechanics.arm import Arm
+from holonom.mechanics.equations.inertia import fixed_to_body
+from holonom.mechanics.kernels import bodies_of
+from holonom.model import Body
+
+__all__ = [
+    "CouplingTable",
+    "Energy",
+    "ForwardDynamicsDerivatives",
+    "InverseDynamicsDerivatives",
+    "bias",
+    "centre_of_mass",
+    "centroidal_momentum",
+    "christoffel",
+    "coupling_table",
+    "energy",
+    "forward_dynamics_derivatives",
+    "inverse_dynamics_derivatives",
+    "momentum",
+    "with_payload",
+    "with_rotors",
+]
+
+Array = NDArray[np.float64]
+
+
+class InverseDynamicsDerivatives(NamedTuple):
+    """Each (..., n, n): entry ij is d tau_i / d q_j, d qd_j, d qdd_j; the last one is the mass matrix."""
+
+    dtau_dq: Array
+    dtau_dqd: Array
+    dtau_dqdd: Array
+
+
+class ForwardDynamicsDerivatives(NamedTuple):
+    """Each (..., n, n): entry ij is d qdd_i / d q_j, d qd_j, d tau_j; the last one is the inverse mass matrix."""
+
+    dqdd_dq: Array
+    dqdd_dqd: Array
+    dqdd_dtau: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Energy:
+    """Kinetic and potential energy, (...) J; the potential one is zero with all mass in the world's origin."""
+
+    kinetic: Array
+    potential: Array
+
+
+@dataclass(frozen=True, slots=True)
+class CouplingTable:
+    """The table D_i, D_ij, D_ijk of the equations of motion without friction.
+
+    tau_i = gravity_i + sum_j inertia_ij qdd_j + sum_j centrifugal_ij qd_j^2 + sum_jk coriolis_ijk qd_j qd_k
+
+    gravity : (..., n); inertia : (..., n, n); centrifugal : (..., n, n), c_ijj; coriolis : (..., n, n, n), c_ijk for
+    j != k (symmetric, both orders counted), zero for j = k.
+    """
+
+    gravity: Array
+    inertia: Array
+    centrifugal: Array
+    coriolis: Array
+
+
+def inverse_dynamics_derivatives(
+    arm: Arm,
+    q: ArrayLike,
+    qd: ArrayLike,
+    qdd: ArrayLike,
+    *,
+    friction: bool | None = None,
+    out: tuple[Array, Array, Array] | None = None,
+    threads: int = 1,
+) -> InverseDynamicsDerivatives:
+    """Derivatives of the inverse dynamics with respect to q, qd and qdd (Singh, Russell & Wensing 2022).
+
+    Parameters
+    ----------
+    q, qd, qdd : (..., n) rad, rad/s, rad/s2 (m, ... for prismatic joints).
+    friction : whether joint friction is in, by default where the model has any; its jump at rest has no derivative.
+    out : three C-contiguous arrays (..., n, n) to write into.
+
+    Raises
+    ------
+    ShapeError, MissingInertia
+    """
+    kernel = arm.kernel("inverse_dynamics_derivatives", friction=friction)
+    return InverseDynamicsDerivatives(*kernel(q, qd, qdd, out=out, threads=threads))
+
+
+def forward_dynamics_derivatives(
+    arm: Arm,
+    q: ArrayLike,
+    qd: ArrayLike,
+    tau: ArrayLike,
+    *,
+    friction: bool | None = None,
+    out: tuple[Array, Array, Array] | None = None,
+    threads: int = 1,
+) -> ForwardDynamicsDerivatives:
+    """Derivatives of the forward dynamics with respect to q, qd and tau, by d qdd = -B^-1 d(tau_inverse).
+
+    Parameters
+    ----------
+    q, qd, tau : (..., n) rad, rad/s, N m.
+    friction, out : as for `inverse_dynamics_derivatives`.
+    """
+    kernel = arm.kernel("forward_dynamics_derivatives", friction=friction)
+    return ForwardDynamicsDerivatives(*kernel(q, qd, tau, out=out, threads=threads))
+
+
+def christoffel(arm: Arm, q: ArrayLike, *, threads: int = 1) -> Array:
+    """Christoffel symbols c_ijk of the mass matrix, (..., n, n, n), symmetric in j and k (specification 2.1).
+
+    (C qd)_i = sum_jk c_ijk qd_j qd_k.
+    """
+    result: Array = arm.kernel("christoffel")(q, threads=threads)
+    return result
+
+
+def coupling_table(arm: Arm, q: ArrayLike) -> CouplingTable:
+    """Gravity, inertia, centrifugal and Coriolis coefficients in one configuration or many, (..., n)."""
+    c = christoffel(arm, q)
+    centrifugal = np.einsum("...ijj->...ij", c).copy()
+    return CouplingTable(arm.gravity(q), arm.mass_matrix(q), centrifugal, np.where(np.eye(arm.n, dtype=bool), 0.0, c))
+
+
+def bias(arm: Arm, q: ArrayLike, qd: ArrayLike, *, friction: bool | None = None, threads: int = 1) -> Array:
+    """Torques without acceleration: C qd + g and friction, (..., n) N m."""
+    result: Array = arm.kernel("bias", friction=friction)(q, qd, threads=threads)
+    return result
+
+
+def energy(arm: Arm, q: ArrayLike, qd: ArrayLike, *, threads: int = 1) -> Energy:
+    """Kinetic energy (rotors included as `arm.model.rotors` says) and potential energy of the arm."""
+    kinetic, potential = arm.kernel("energy")(q, qd, threads=threads)
+    return Energy(kinetic[..., 0], potential[..., 0])
+
+
+def momentum(arm: Arm, q: ArrayLike, qd: ArrayLike, *, threads: int = 1) -> Array:
+    """Generalised momentum B qd, (..., n)."""
+    result: Array = arm.kernel("momentum")(q, qd, threads=threads)
+    return result
+
+
+def centroidal_momentum(arm: Arm, q: ArrayLike, qd: ArrayLike, *, threads: int = 1) -> Array:
+    """Linear momentum and angular momentum about the centre of mass, in the world, rotors locked: (..., 6)."""
+    result: Array = arm.kernel("centroidal_momentum")(q, qd, threads=threads)
+    return result
+
+
+def centre_of_mass(arm: Arm, q: ArrayLike, *, threads: int = 1) -> Array:
+    """Centre of mass of all moving bodies in the world, (..., 3) m."""
+    result: Array = arm.kernel("centre_of_mass")(q, threads=threads)
+    return result
+
+
+def with_payload(arm: Arm, payload: Body) -> Arm:
+    """Return the arm with a body in its tool, stated in the tool frame.
+
+    Raises
+    ------
+    MissingInertia
+        The arm states no inertias of its own.
+    """
+    bodies_of(arm.model)
+    bodies = list(arm.model.bodies or ())
+    tool = np.array(arm.model.tool)
+    R, joint = tool[:3, :3], arm.model.tool_joint
+    xx, yy, zz, xy, yz, xz = payload.inertia
+    turned = R @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ R.T
+    x, y, z = (R @ payload.com + tool[:3, 3]).tolist()
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = turned.tolist()
+    bodies[joint] = fixed_to_body(bodies[joint], Body(payload.mass, (x, y, z), (xx, yy, zz, xy, yz, xz)))
+    return Arm(dataclasses.replace(arm.model, bodies=tuple(bodies)))
+
+
+def with_rotors(arm: Arm, rotors: Literal["reflected", "full"]) -> Arm:
+    """Return the arm with another rotor model (specification 2.1).
+
+    "reflected": gear_ratio^2 I_m on the diagonal of B only. "full": also the coupling of each rotor with the link that
+    carries it, and gyroscopic moments; every geared motor on a moving link must state its axis.
+
+    Raises
+    ------
+    ModelError
+        When dynamics are first asked for: a motor states no axis; names the joint.
+    """
+    return Arm(dataclasses.replace(arm.model, rotors=rotors))
