@@ -14,6 +14,7 @@
 `hm.vision`        camera over a table, coins
 `hm.lang`          the ARPS robot language
 `hm.sim`           the simulated cell
+`hm.plots`         figures of arms and their motions
 =================  ==============================================================
 """
 
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from holonom.model import DHRow
 
 __version__ = "0.1.0"
-_SUBPACKAGES = ("control", "devices", "lang", "mechanics", "model", "sim", "spatial", "trace", "vision")
+_SUBPACKAGES = ("control", "devices", "lang", "mechanics", "model", "plots", "sim", "spatial", "trace", "vision")
 _LAZY = {
     "Arm": "holonom.mechanics",
     "DHRow": "holonom.model",
