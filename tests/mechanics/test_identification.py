@@ -255,9 +255,11 @@ def test_a_clean_record_gives_the_truth():
     model = with_drives(planar((0.0, -9.81, 0.0), 3), 3)
     motion = excitation(Arm(model), trials=5, duration=20.0, dt=0.002).trajectory
     tau = regressor_of_rows(model)(motion.q, motion.qd, motion.qdd) @ parameters(model)
-    found = identify(Arm(model), np.arange(len(tau)) * motion.dt, motion.q, tau)
-    truth = found.base.grouping @ parameters(model)
-    np.testing.assert_allclose(found.values, truth, rtol=2e-3, atol=2e-3)
+    for friction in (True, False):
+        found = identify(Arm(model), np.arange(len(tau)) * motion.dt, motion.q, tau, friction=friction)
+        truth = found.base.grouping @ parameters(model)
+        np.testing.assert_allclose(found.values, truth, rtol=2e-3, atol=2e-3)
+        assert friction or [j.friction for j in found.model.joints] == [j.friction for j in model.joints]
 
 
 def test_bad_records_are_refused_by_name():

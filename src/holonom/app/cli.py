@@ -1,4 +1,4 @@
-"""The command line: `holonom run|check|bench|doctor`.
+"""The command line: `holonom run|check|calibrate|bench|doctor`.
 
 Each command lives in a module of its own, imported when it is called, and returns an `Answer`. What it raises decides
 the exit status: 2 for an `InputError` (nothing has been written), 1 for a `RunError` (the records are kept), 130 for
@@ -75,6 +75,15 @@ def _check(options: argparse.Namespace) -> Answer:
     return check_file(options.file)
 
 
+def _calibrate_dynamics(options: argparse.Namespace) -> Answer:
+    from holonom.app.calibrate import calibrate_dynamics
+
+    friction = not options.no_friction
+    return calibrate_dynamics(
+        options.recording, options.arm, cutoff=options.cutoff, friction=friction, output=options.output
+    )
+
+
 def _bench(options: argparse.Namespace) -> Answer:
     from holonom.app.bench import run_benchmarks
 
@@ -102,6 +111,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
     _add_run(commands)
     _add_check(commands)
+    _add_calibrate(commands)
     _add_bench(commands)
     _add_doctor(commands)
     return parser
@@ -125,6 +135,19 @@ def _add_check(commands: Commands[argparse.ArgumentParser]) -> None:
     check.add_argument("file", metavar="FILE", type=Path, help="cell file (.toml) or program (.arps)")
     _add_json(check)
     check.set_defaults(command=_check)
+
+
+def _add_calibrate(commands: Commands[argparse.ArgumentParser]) -> None:
+    calibrate = commands.add_parser("calibrate", help="find a robot's numbers from measurements")
+    subjects = calibrate.add_subparsers(title="what to calibrate", required=True, metavar="SUBJECT")
+    dynamics = subjects.add_parser("dynamics", help="masses, inertias and friction of an arm, from a recorded motion")
+    dynamics.add_argument("recording", metavar="RECORDING", type=Path, help="recording of a run (MCAP)")
+    dynamics.add_argument("--arm", metavar="NAME|URDF", required=True, help="preset or URDF file of the arm")
+    dynamics.add_argument("--cutoff", metavar="HZ", type=float, default=10.0, help="of the filter, 10 Hz unless given")
+    dynamics.add_argument("--no-friction", action="store_true", help="leave the friction as the arm states it")
+    _add_output(dynamics, "dynamics.json goes here")
+    _add_json(dynamics)
+    dynamics.set_defaults(command=_calibrate_dynamics)
 
 
 def _add_bench(commands: Commands[argparse.ArgumentParser]) -> None:

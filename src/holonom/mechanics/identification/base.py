@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 RANK_TOLERANCE = 1e-8  # of unit columns; kinematics given to fewer digits than this groups less than it should
+CLEAR = 0.01  # part of a unit column that others do not explain; less makes groups of large factors
 SAMPLES_PER_PARAMETER = 4
 PREFERENCE = (7, 5, 6, 9, 0, 1, 8, 2, 3, 4)  # place of m, hx, hy, hz, Ixx, Ixy, Iyy, Ixz, Iyz, Izz within a link
 
@@ -135,14 +136,18 @@ def _rank(A: Array) -> int:
 
 
 def _independent(A: Array, rank: int) -> list[int]:
-    """The first columns that do not depend on those before them (modified Gram-Schmidt, twice for accuracy)."""
+    """The first columns that do not nearly depend on those before them, then the first that do not depend on these.
+
+    Modified Gram-Schmidt, twice for accuracy.
+    """
     basis = np.zeros((A.shape[0], 0))
     kept: list[int] = []
-    for k in range(A.shape[1]):
-        rest = A[:, k] - basis @ (basis.T @ A[:, k])
-        rest -= basis @ (basis.T @ rest)
-        if (size := np.linalg.norm(rest)) > RANK_TOLERANCE and len(kept) < rank:
-            kept.append(k)
-            basis = np.column_stack([basis, rest / size])
+    for threshold in (CLEAR, RANK_TOLERANCE):
+        for k in range(A.shape[1]):
+            rest = A[:, k] - basis @ (basis.T @ A[:, k])
+            rest -= basis @ (basis.T @ rest)
+            if (size := np.linalg.norm(rest)) > threshold and len(kept) < rank:
+                kept.append(k)
+                basis = np.column_stack([basis, rest / size])
     assert len(kept) == rank, f"rank {rank}, but {len(kept)} independent columns"
-    return kept
+    return sorted(kept)

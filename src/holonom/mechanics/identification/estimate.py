@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from holonom.errors import InputError
 from holonom.mechanics.arm import Arm
 from holonom.mechanics.identification.base import BaseParameters, base_parameters
-from holonom.mechanics.identification.columns import regressor_of_rows
+from holonom.mechanics.identification.columns import parameters, regressor_of_rows, stated_columns
 from holonom.mechanics.identification.consistent import (
     consistent_parameters,
     model_from_parameters,
@@ -82,7 +83,7 @@ def identify(
     q : (N, n) measured positions, rad or m.
     tau : (N, n) joint torques, N m or N.
     cutoff : Hz, of the zero-phase filter (above what the motion holds, below what is noise).
-    friction : whether viscous and Coulomb friction are identified too.
+    friction : whether viscous and Coulomb friction are identified too; otherwise the arm's own is taken.
     prior : another model to take from what the motion leaves open.
     prior_weight : of the prior beside the measurement; 1 is as much as an error of one standard deviation.
 
@@ -98,8 +99,8 @@ def identify(
     `identification.consistent`.
     """
     base = base_parameters(arm, friction=friction)
-    rows = regressor_of_rows(arm.model)
-    found = equations_of(arm.n, lambda *motion: rows(*motion)[..., base.columns], time, q, tau, cutoff)
+    known = parameters(arm.model) * ~stated_columns(arm.model, friction=friction)
+    found = equations_of(arm.n, _rows(arm.model, base, known), time, q, tau, cutoff)
     keep = found.moving.T if friction else np.ones_like(found.moving.T)
     W = [found.Y[keep[j], j] for j in range(arm.n)]
     t = [found.tau[keep[j], j] for j in range(arm.n)]
@@ -121,6 +122,17 @@ def identify(
         base, values, deviations, covariance, float(s[0] / s[-1]), weak, base.without_effect,
         noise, p, identified, np.array(misfit),
     )  # fmt: skip
+
+
+def _rows(model: ArmModel, base: BaseParameters, known: Array) -> Callable[..., Array]:
+    """Columns of the base parameters, and last the torque that is known beforehand."""
+    rows = regressor_of_rows(model)
+
+    def columns(q: Array, qd: Array, qdd: Array) -> Array:
+        Y = rows(q, qd, qdd)
+        return np.concatenate([Y[..., base.columns], (Y @ known)[..., None]], axis=-1)
+
+    return columns
 
 
 def _check_excitation(W: Array, base: BaseParameters) -> None:

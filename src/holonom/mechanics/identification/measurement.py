@@ -21,7 +21,7 @@ AT_REST = 0.01  # of a joint's largest speed: below, the direction of its fricti
 
 @dataclass(frozen=True, slots=True)
 class Equations:
-    """Filtered samples: Y (N, n, b), tau (N, n), and which joints move clearly (N, n)."""
+    """Filtered samples: Y (N, n, b), tau (N, n) less what is known of it, and which joints move clearly (N, n)."""
 
     Y: Array
     tau: Array
@@ -69,6 +69,8 @@ def equations_of(
 ) -> Equations:
     """Equations Y beta = tau of n joints from a record; both sides go through one filter, so it distorts nothing.
 
+    The last of the columns that `rows` gives is the part of the torque that is known.
+
     One sample per half period of the cutoff is kept, as many as carry independent noise; the first and last periods,
     which the filter spoils, go.
     """
@@ -85,7 +87,8 @@ def equations_of(
             f"{len(torque)} samples at {dt:g} s hold {len(filtered)} independent ones below {cutoff:g} Hz; record more"
         )
     speed = np.abs(qd)
-    return Equations(filtered, _low_pass(torque, cutoff, dt)[keep], (speed > AT_REST * speed.max(0))[keep])
+    rest = _low_pass(torque, cutoff, dt)[keep] - filtered[..., -1]
+    return Equations(filtered[..., :-1], rest, (speed > AT_REST * speed.max(0))[keep])
 
 
 def _low_pass(x: Array, cutoff: float, dt: float) -> Array:
