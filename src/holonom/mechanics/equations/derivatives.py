@@ -26,13 +26,12 @@ from holonom.mechanics.equations.carried import (
     power,
     times,
 )
-from holonom.mechanics.equations.composite_body import independent
+from holonom.mechanics.equations.composite_body import independent, joint_inertia, with_rotors
 from holonom.mechanics.equations.coriolis import joint_coriolis
 from holonom.mechanics.equations.forward_dynamics import solve_ldl
 from holonom.mechanics.equations.inertia import Inertial
 from holonom.mechanics.equations.kinematics import gather, spread
 from holonom.mechanics.equations.newton_euler import friction_slope, friction_torque
-from holonom.mechanics.equations.rotors import reflected_inertia
 from holonom.mechanics.equations.vectors import Vector, add, cross, dot, matmul, scale
 from holonom.model import ArmModel
 from holonom.trace import Number
@@ -78,7 +77,7 @@ def forward_dynamics_derivatives(
     rest = _wrenches(c, each, _accelerations(c, rates, [0.0] * len(rates)))
     losses = [friction_torque(j.friction, u) if friction else 0.0 for j, u in zip(model.joints, rates, strict=True)]
     bias = gather(model, [power(S, f) + loss for S, f, loss in zip(c.axis, rest, losses, strict=True)])
-    B = independent(model, _mass_matrix(c, sums))
+    B = independent(model, with_rotors(model, joint_inertia(c, sums)))
     qdd = solve_ldl(B, [t - b for t, b in zip(tau, bias, strict=True)])
     a = _accelerations(c, rates, spread(model, qdd, rates=True))
     found = _derivatives(c, sums, _wrenches(c, each, a), a, qd, friction)
@@ -107,19 +106,6 @@ def _wrenches(c: Chain, each: Sequence[Carried], a: Sequence[Twist]) -> list[Twi
         if (parent := c.model.parent(i)) >= 0:
             found[parent] = plus(found[parent], found[i])
     return found
-
-
-def _mass_matrix(c: Chain, sums: Sequence[Carried]) -> Rows:
-    """B over all joints: S_j . I S_i, I being what both carry."""
-    rotor = reflected_inertia(c.model)
-    B: Rows = [[0.0] * len(rotor) for _ in rotor]
-    for i in range(len(rotor)):
-        f, j = inert(sums[i].inertia, c.axis[i]), i
-        while j >= 0:
-            B[i][j] = B[j][i] = power(c.axis[j], f)
-            j = c.model.parent(j)
-        B[i][i] = B[i][i] + rotor[i]
-    return B
 
 
 def _by_position(c: Chain, sums: Sequence[Carried], wrenches: Sequence[Twist], a: Sequence[Twist]) -> Rows:
@@ -152,7 +138,7 @@ def _derivatives(
     if friction:
         for i, (joint, rate) in enumerate(zip(model.joints, spread(model, qd, rates=True), strict=True)):
             by_speed[i][i] = by_speed[i][i] + friction_slope(joint.friction, rate)
-    parts = (_by_position(c, sums, wrenches, a), by_speed, _mass_matrix(c, sums))
+    parts = (_by_position(c, sums, wrenches, a), by_speed, with_rotors(c.model, joint_inertia(c, sums)))
     return Derivatives(*(independent(model, part) for part in parts))
 
 
