@@ -93,30 +93,31 @@ class Kernel:
     @property
     def source(self) -> str:
         """Readable text of the one-sample form."""
-        return self._text(emit_single)
+        return self.text(emit_single)
 
     @property
     def block_source(self) -> str:
         """Readable text of the batch form."""
-        return self._text(emit_block)
+        return self.text(emit_block)
 
-    def _text(self, emit: Callable[..., str]) -> str:
+    def text(self, emit: Callable[..., str]) -> str:
+        """Text of another form, written by `emit(title, body, inputs, outputs, results)`."""
         return emit(self.name, self._body, self.inputs, self.outputs, self._results)
 
     @functools.cached_property
     def single(self) -> Callable[..., int]:
         """The compiled one-sample form (see the class)."""
-        return load_module(f"{self.name}_single", self._text(emit_single)).single
+        return load_module(f"{self.name}_single", self.text(emit_single)).single
 
     @functools.cached_property
     def rows(self) -> Callable[..., float]:
         """The compiled batch form: `rows(in1 (N, w), ..., out1 (N, v), ..., first, last)`; not 0.0 if NaN came in."""
-        return load_module(f"{self.name}_rows", self._text(emit_block)).rows
+        return load_module(f"{self.name}_rows", self.text(emit_block)).rows
 
     @functools.cached_property
     def address(self) -> int:
         """Address of the C form `void(double* inputs, double* outputs)`, for compiled loops over any robot."""
-        return load_module(f"{self.name}_pointer", self._text(emit_pointer)).pointer.address
+        return load_module(f"{self.name}_pointer", self.text(emit_pointer)).pointer.address
 
     def __call__(self, *arrays: Any, out: Any = None, threads: int = 1) -> Any:
         """Evaluate one sample or a batch.
