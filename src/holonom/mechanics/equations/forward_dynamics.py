@@ -1,4 +1,4 @@
-"""Forward dynamics: B(q) qdd = tau - h(q, qd), solved by B = L D L^T.
+"""Forward dynamics: B(q) qdd = tau - h(q, qd), solved by B = L D L^T, or by articulated bodies for long chains.
 
 No square root and no pivoting: B is positive definite.
 """
@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from holonom.mechanics.equations.composite_body import mass_matrix
+from holonom.mechanics.equations.articulated_body import solve_inertia
+from holonom.mechanics.equations.composite_body import MANY, mass_matrix
 from holonom.mechanics.equations.inertia import Inertial
 from holonom.mechanics.equations.newton_euler import inverse_dynamics
 from holonom.mechanics.equations.vectors import Matrix, Vector, sub
@@ -55,4 +56,7 @@ def forward_dynamics(
     """Joint accelerations under joint torques."""
     still = [0.0] * len(model.independent)
     bias = inverse_dynamics(model, bodies, q, qd, still, friction=friction, wrench_tool=wrench_tool)
+    uncoupled = len(model.independent) == len(model.joints) and model.rotors == "reflected"
+    if uncoupled and len(model.joints) >= MANY:
+        return solve_inertia(model, bodies, q, sub(tau, bias))
     return solve_ldl(mass_matrix(model, bodies, q), sub(tau, bias))
