@@ -3,6 +3,8 @@
 ================  =======================================================================
 `compile`         equation -> `Kernel` (batch form, one-sample form, C pointer)
 `sin`, `cos`, ... functions for equations; they work on floats and on traced scalars
+`derivative`      forward and reverse mode on the graph
+`cuda`            the same straight line for a GPU
 `Graph`           the expression graph, simplified while it is built
 `cache_folder`    where generated modules lie
 ================  =======================================================================
