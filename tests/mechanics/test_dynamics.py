@@ -15,8 +15,11 @@ from holonom.mechanics.equations.inertia import fixed_to_body
 from holonom.mechanics.kernels import bodies_of
 from holonom.model import Body, DHRow
 
-MODELS = [arm.model for arm in presets()] + [random_model(seed, n) for seed, n in ((1, 2), (2, 4), (3, 6), (4, 7), (8, 13))]
-MODELS += [random_tree(seed, n) for seed, n in ((5, 4), (6, 7))]
+MODELS = [
+    *(arm.model for arm in presets()),
+    *(random_model(seed, n) for seed, n in ((1, 2), (2, 4), (3, 6), (4, 7), (8, 13))),
+    *(random_tree(seed, n) for seed, n in ((5, 4), (6, 7))),
+]
 NAMES = [m.name for m in MODELS]
 
 
