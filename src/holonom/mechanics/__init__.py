@@ -19,7 +19,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from holonom.mechanics.arm import Arm, IkCase, IkNearest, IkResult, IkStatus, Limits, arm_from_dh, load_arm
+from holonom.mechanics.arm import Arm, IkCase, IkNearest, IkResult, IkStatus, Limits
+from holonom.mechanics.load import arm_from_dh, load_arm
 
 if TYPE_CHECKING:
     from holonom.mechanics import analysis, dynamics, jacobians, motion, numerical_inverse, paths, simulate, velocity

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,11 +17,12 @@ from holonom.mechanics.closed_form import FAMILIES, ClosedForm, closed_form
 from holonom.mechanics.equations.inertia import fixed_to_body
 from holonom.mechanics.ik_result import IkCase, IkNearest, IkResult, IkStatus
 from holonom.mechanics.kernels import make_kernel
-from holonom.model import ArmModel, Body, DHRow, JointLimits, arm_model_from_dh, constant_transform, load_model
+from holonom.mechanics.pose_check import is_rigid
+from holonom.model import ArmModel, Body, constant_transform
 from holonom.spatial import check_pose
 from holonom.trace import Kernel
 
-__all__ = ["Arm", "IkCase", "IkNearest", "IkResult", "IkStatus", "Limits", "arm_from_dh", "load_arm"]
+__all__ = ["Arm", "IkCase", "IkNearest", "IkResult", "IkStatus", "Limits"]
 
 Array = NDArray[np.float64]
 
@@ -94,11 +94,12 @@ class Arm:
         return Arm(dataclasses.replace(self.model, joints=joints))
 
     def with_load(self, body: Body) -> Arm:
-        """Return the arm with a body fixed to its last link (in that link's frame), such as a gripper."""
+        """Return the arm with a body, such as a gripper, fixed to the link that carries the tool (in its frame)."""
         if self.model.bodies is None:
             return self
-        bodies = (*self.model.bodies[:-1], fixed_to_body(self.model.bodies[-1], body))
-        return Arm(dataclasses.replace(self.model, bodies=bodies))
+        bodies, tip = list(self.model.bodies), self.model.tool_joint
+        bodies[tip] = fixed_to_body(bodies[tip], body)
+        return Arm(dataclasses.replace(self.model, bodies=tuple(bodies)))
 
     def kernel(self, name: str, **options: Any) -> Kernel:
         """Return a compiled equation: "fk", "frames", "jacobian", "inverse_dynamics", "forward_dynamics", ....
@@ -106,6 +107,10 @@ class Arm:
         Options are those of the verb: `frame=`, `friction=`, `wrench_frame=`. The
         fastest call is `kernel.single(q, ..., out)`: see `holonom.trace.Kernel`.
         """
+        plain = None if options else self._kernels.get(name)
+        if plain is not None:
+            return plain
+        asked = (name, *sorted(options.items())) if options else name
         if name in ("inverse_dynamics", "forward_dynamics"):
             options = {"friction": self._has_friction, "wrench_frame": None} | options
         elif name == "fk":
@@ -115,6 +120,7 @@ class Arm:
         key = (name, *sorted(options.items()))
         if key not in self._kernels:
             self._kernels[key] = make_kernel(name, self.model, options)
+        self._kernels[asked] = self._kernels[key]
         return self._kernels[key]
 
     def fk(self, q: ArrayLike, frame: str = "tool", *, out: Array | None = None, threads: int = 1) -> Array:
@@ -199,7 +205,8 @@ class Arm:
     def _target(self, T: ArrayLike, form: ClosedForm) -> Array:
         target = np.asarray(T, dtype=float)
         if form.task == "pose":
-            return check_pose(T, "T")
+            one = target.shape == (4, 4) and target.flags.c_contiguous
+            return target if one and is_rigid(target) else check_pose(T, "T")
         return target if target.shape[-1:] == (3,) else check_pose(T, "T")[..., :3, 3]
 
     def ik_nearest(self, T: ArrayLike, q0: ArrayLike, *, weights: ArrayLike | None = None) -> IkNearest:
@@ -342,56 +349,3 @@ class Arm:
         """Torques that hold the arm at rest: (..., n) N m."""
         result: Array = self.kernel("gravity")(q, out=out, threads=threads)
         return result
-
-
-def load_arm(
-    source: str | Path,
-    *,
-    root: str | None = None,
-    tip: str | None = None,
-    check_inertia: bool | Literal["warn"] = True,
-    packages: Mapping[str, str | Path] | None = None,
-    arguments: Mapping[str, str] | None = None,
-) -> Arm:
-    """Return a preset arm, or one from a URDF or xacro file.
-
-    Parameters
-    ----------
-    source : a preset's name ("puma560", ...), or a file that ends in .urdf, .xml or .xacro. Meshes are never opened.
-    root, tip : links that are the base and the tool; by default the root of the tree and the link that is called or
-        placed like a tool (see `holonom.model.read_urdf`).
-    check_inertia : whether an inertia that no rigid body has is an error (True), a warning ("warn") or taken (False).
-    packages : for xacro, the folder of each package that `$(find name)` may name. A xacro file is read in a process of
-        its own that may read its own folder and these, and no environment.
-    arguments : for xacro, the values of `$(arg name)`.
-
-    Raises
-    ------
-    UnknownName
-        No such preset or link; the message lists them.
-    ModelError
-        The file cannot be read or describes no arm; the message names file, line, element and what to do.
-    """
-    model = load_model(source, root=root, tip=tip, check_inertia=check_inertia, packages=packages, arguments=arguments)
-    return Arm(model)
-
-
-def arm_from_dh(
-    rows: Sequence[DHRow],
-    *,
-    convention: str,
-    name: str = "arm",
-    limits: Sequence[JointLimits] | None = None,
-    bodies: Sequence[Body] | None = None,
-) -> Arm:
-    """Return an arm from a Denavit-Hartenberg table.
-
-    Parameters
-    ----------
-    rows : one `DHRow` per joint.
-    convention : "standard" or "modified"; never guessed.
-    limits, bodies : one each per joint, if known.
-    """
-    if convention not in ("standard", "modified"):
-        raise UnknownName("DH convention", str(convention), ("standard", "modified"))
-    return Arm(arm_model_from_dh(rows, convention=convention, name=name, limits=limits, bodies=bodies))  # type: ignore[arg-type]

@@ -149,9 +149,9 @@ class Kernel:
                 if self.single(*arrays, result) == 0:
                     return result
             else:
-                results = tuple(np.empty(s, d) for s, d in self._allocate) if out is None else tuple(out)
+                results = [np.empty(s, d) for s, d in self._allocate] if out is None else list(out)
                 if self.single(*arrays, *results) == 0:
-                    return results
+                    return tuple(results)
         except TypeError:
             pass
         return self._general(arrays, out, threads)
