@@ -2,6 +2,10 @@
 
 =======================  ==============================================================================
 `Arm`, `load_arm`        the everyday verbs: fk, jacobian, ik, inverse_dynamics, ...
+`dynamics`               derivatives, Coriolis table, energies, momenta, payload
+`jacobians`              analytic Jacobians, Jacobian rates, Hessian
+`identification`         regressor, base parameters, excitation, estimates
+`symbolic`               any of the equations as readable formulas
 `analysis`               manipulability, ellipsoids, named singularities, statics
 `dynamics`               derivatives, Christoffel symbols, energies and momenta, rotor model, payload
 `jacobians`              rate and Hessian of the Jacobian, the one of Euler angle rates
@@ -42,6 +46,7 @@ __all__ = [
     "numerical_inverse",
     "paths",
     "simulate",
+    "symbolic",
     "velocity",
 ]
 
