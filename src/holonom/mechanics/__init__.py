@@ -1,21 +1,19 @@
 """Kinematics, dynamics and motion of arms.
 
-=======================  ==============================================================================
+=======================  =====================================================================
 `Arm`, `load_arm`        the everyday verbs: fk, jacobian, ik, inverse_dynamics, ...
-`dynamics`               derivatives, Coriolis table, energies, momenta, payload
-`jacobians`              analytic Jacobians, Jacobian rates, Hessian
-`identification`         regressor, base parameters, excitation, estimates
-`symbolic`               any of the equations as readable formulas
 `analysis`               manipulability, ellipsoids, named singularities, statics
-`dynamics`               derivatives, Christoffel symbols, energies and momenta, rotor model, payload
-`jacobians`              rate and Hessian of the Jacobian, the one of Euler angle rates
+`jacobians`              analytic Jacobians, Jacobian rates, Hessian
 `paths`                  closed-form branches along a path
 `numerical_inverse`      inverse of any chain: limits, restarts, nullspace criteria
 `velocity`               joint rates near singularities, following a path without drift
+`dynamics`               derivatives, Coriolis table, energies, momenta, payload
+`identification`         regressor, base parameters, excitation, estimates
+`symbolic`               any of the equations as readable formulas
 `motion`                 joint and tool trajectories, blending, retiming
 `simulate`               an arm alone: free, under a law, many variations at once
 `equations`              the textbook's equations, over floats or traced scalars
-=======================  ==============================================================================
+=======================  =====================================================================
 """
 
 from __future__ import annotations
@@ -27,9 +25,31 @@ from holonom.mechanics.arm import Arm, IkCase, IkNearest, IkResult, IkStatus, Li
 from holonom.mechanics.load import arm_from_dh, load_arm
 
 if TYPE_CHECKING:
-    from holonom.mechanics import analysis, dynamics, jacobians, motion, numerical_inverse, paths, simulate, velocity
+    from holonom.mechanics import (
+        analysis,
+        dynamics,
+        identification,
+        jacobians,
+        motion,
+        numerical_inverse,
+        paths,
+        simulate,
+        symbolic,
+        velocity,
+    )
 
-_MODULES = ("analysis", "dynamics", "jacobians", "motion", "numerical_inverse", "paths", "simulate", "velocity")
+_MODULES = (
+    "analysis",
+    "dynamics",
+    "identification",
+    "jacobians",
+    "motion",
+    "numerical_inverse",
+    "paths",
+    "simulate",
+    "symbolic",
+    "velocity",
+)
 __all__ = [
     "Arm",
     "IkCase",
@@ -40,6 +60,7 @@ __all__ = [
     "analysis",
     "arm_from_dh",
     "dynamics",
+    "identification",
     "jacobians",
     "load_arm",
     "motion",
