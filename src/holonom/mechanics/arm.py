@@ -107,10 +107,10 @@ class Arm:
         Options are those of the verb: `frame=`, `friction=`, `wrench_frame=`. The
         fastest call is `kernel.single(q, ..., out)`: see `holonom.trace.Kernel`.
         """
-        plain = None if options else self._kernels.get(name)
-        if plain is not None:
-            return plain
-        asked = (name, *sorted(options.items())) if options else name
+        asked = (name, *options.items()) if options else name
+        known = self._kernels.get(asked)
+        if known is not None:
+            return known
         if name in ("inverse_dynamics", "forward_dynamics"):
             options = {"friction": self._has_friction, "wrench_frame": None} | options
         elif name == "fk":
