@@ -26,6 +26,7 @@ from holonom.trace import Kernel, Number, compile
 __all__ = ["KERNELS", "bodies_of", "frame_of", "make_kernel"]
 
 Options = Mapping[str, Any]
+Builder = Callable[[ArmModel, Options], Kernel]
 
 
 def bodies_of(model: ArmModel) -> list[Inertial]:
@@ -98,28 +99,21 @@ def _jacobian(model: ArmModel, options: Options) -> Kernel:
     )
 
 
-def _inverse_dynamics(model: ArmModel, options: Options) -> Kernel:
-    n, bodies = len(model.independent), bodies_of(model)
-    friction, frame = options["friction"], options["wrench_frame"]
-    inputs = {"q": n, "qd": n, "qdd": n} | ({"wrench": 6} if frame else {})
+def _dynamics(verb: str, equation: Callable[..., list[Number]], given: str, wanted: str) -> Builder:
+    """Builder of a dynamics kernel: q, qd, what is given and perhaps a wrench make what is wanted."""
 
-    def equation(q: Vector, qd: Vector, qdd: Vector, wrench: Vector | None = None) -> list[Number]:
-        load = None if wrench is None else _wrench_in_tool(model, q, wrench, frame)
-        return newton_euler.inverse_dynamics(model, bodies, q, qd, qdd, friction=friction, wrench_tool=load)
+    def build(model: ArmModel, options: Options) -> Kernel:
+        n, bodies = len(model.independent), bodies_of(model)
+        friction, frame = options["friction"], options["wrench_frame"]
 
-    return compile(equation, inputs, {"tau": n}, name=f"{model.name}_inverse_dynamics")
+        def traced(q: Vector, qd: Vector, x: Vector, wrench: Vector | None = None) -> list[Number]:
+            load = None if wrench is None else _wrench_in_tool(model, q, wrench, frame)
+            return equation(model, bodies, q, qd, x, friction=friction, wrench_tool=load)
 
+        inputs = {"q": n, "qd": n, given: n} | ({"wrench": 6} if frame else {})
+        return compile(traced, inputs, {wanted: n}, name=f"{model.name}_{verb}")
 
-def _forward_dynamics(model: ArmModel, options: Options) -> Kernel:
-    n, bodies = len(model.independent), bodies_of(model)
-    friction, frame = options["friction"], options["wrench_frame"]
-    inputs = {"q": n, "qd": n, "tau": n} | ({"wrench": 6} if frame else {})
-
-    def equation(q: Vector, qd: Vector, tau: Vector, wrench: Vector | None = None) -> list[Number]:
-        load = None if wrench is None else _wrench_in_tool(model, q, wrench, frame)
-        return forward_dynamics.forward_dynamics(model, bodies, q, qd, tau, friction=friction, wrench_tool=load)
-
-    return compile(equation, inputs, {"qdd": n}, name=f"{model.name}_forward_dynamics")
+    return build
 
 
 def _mass_matrix(model: ArmModel, options: Options) -> Kernel:
@@ -154,13 +148,13 @@ def _of_bodies(build: Callable[[ArmModel, Sequence[Inertial], Options], Kernel])
     return lambda model, options: build(model, bodies_of(model), options)
 
 
-KERNELS: Mapping[str, Callable[[ArmModel, Options], Kernel]] = {
+KERNELS: Mapping[str, Builder] = {
     "closed_loop": lambda model, options: closed_loop.closed_loop_kernel(model, bodies_of(model), options),
     "fk": _fk,
     "frames": _all_frames,
     "jacobian": _jacobian,
-    "inverse_dynamics": _inverse_dynamics,
-    "forward_dynamics": _forward_dynamics,
+    "inverse_dynamics": _dynamics("inverse_dynamics", newton_euler.inverse_dynamics, "qdd", "tau"),
+    "forward_dynamics": _dynamics("forward_dynamics", forward_dynamics.forward_dynamics, "tau", "qdd"),
     "mass_matrix": _mass_matrix,
     "gravity": _gravity,
     "regressor": regressor_kernel,
