@@ -35,7 +35,7 @@ from holonom.trace.trigonometric import Variable, multiplied_out
 
 __all__ = ["QUANTITIES", "Formulas", "formulas"]
 
-CRAMER = 3  # joints up to which forward dynamics is written out
+CRAMER = 2  # joints up to which forward dynamics is written out
 PARALLEL = 1e-9  # sine of the angle between axes that are parallel
 
 
@@ -161,7 +161,7 @@ def formulas(
     Parameters
     ----------
     what : one of `QUANTITIES`: "fk" (position and rotation of the tool), "jacobian" (in the world), "mass_matrix",
-        "coriolis_matrix", "gravity", "inverse_dynamics", and "forward_dynamics" (up to three joints).
+        "coriolis_matrix", "gravity", "inverse_dynamics", and "forward_dynamics" (up to two joints).
     values : "symbols" puts letters for the arm's numbers (see `symbolic_model`: a1, d1, m1, cx1, Izz1, k1, Im1, g),
         "numbers" the numbers themselves.
     names : other names for letters, such as {"a1": "l1", "cx1": "a1"}.
@@ -172,7 +172,7 @@ def formulas(
     UnknownName
         No such quantity, or no such letter to rename.
     InputError
-        SymPy is not installed, or forward dynamics of more than three joints.
+        SymPy is not installed, or forward dynamics of more than two joints.
     MissingInertia
 
     Notes
@@ -192,7 +192,7 @@ def formulas(
             raise UnknownName("letter", name, letter.proposed)
     outputs = [v if isinstance(v, Scalar) else graph.constant(float(v)) for v in entries]
     inputs = [graph.ops[i] for i in live_nodes(graph, outputs) if graph.ops[i][0] == "in"]
-    variables = [(str(op[1]), int(str(op[2]))) for op in inputs]
+    variables = sorted(((str(op[1]), int(str(op[2]))) for op in inputs), key=_importance)
     alphabet = _alphabet(model, variables, letter)
     sums = [in_sines(p, alphabet) for p in multiplied_out(graph, outputs, variables)]
     full, short = _shapes(sympy, digits, fractions=values == "symbols")
@@ -228,6 +228,12 @@ def _sympy() -> Any:
         return importlib.import_module("sympy")
     except ImportError:
         raise InputError('formulas need SymPy, which is not installed; pip install "holonom[symbolic]"') from None
+
+
+def _importance(variable: Variable) -> tuple[int, int]:
+    """Accelerations and torques come first in a sum, then speeds, then what is proportional to a sliding joint's q."""
+    name, slot = variable
+    return {"qdd": 0, "tau": 0, "qd": 1, "q": 2}.get(name, 3), slot
 
 
 def _parallel(model: ArmModel) -> list[list[int]]:

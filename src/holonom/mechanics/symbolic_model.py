@@ -1,4 +1,4 @@
-"""An arm whose numbers are letters: every length, mass, moment and ratio that is not zero becomes an input of a graph."""
+"""An arm whose numbers are letters: lengths, masses, moments and ratios that are not zero are inputs of a graph."""
 
 from __future__ import annotations
 
@@ -94,9 +94,8 @@ def symbolic_bodies(model: ArmModel, lettered: ArmModel, letter: Letters) -> lis
         c = [x / m if m else 0.0 for x in h]
         reach, lettered_reach = (joint_motion(arm.joints[i], 0.0).p_after for arm in (model, lettered))
         k = i + 1
-        from_joint = [
-            letter(f"c{axis}{k}", x + float(p)) if m else 0.0 for axis, x, p in zip("xyz", c, reach, strict=True)
-        ]
+        place = [x + float(p) if m else 0.0 for x, p in zip(c, reach, strict=True)]
+        from_joint = [letter(f"c{axis}{k}", x) for axis, x in zip("xyz", place, strict=True)]
         about = merged(body, Inertial(-m, [-x for x in h], [[-m * x * y for y in c] for x in c]))
         moments = zip(("xx", "xy", "yy", "xz", "yz", "zz"), to_parameters(about)[4:], strict=True)
         spread = from_parameters([0.0] * 4 + [letter(f"I{axes}{k}", float(v)) for axes, v in moments])

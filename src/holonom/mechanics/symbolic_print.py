@@ -95,7 +95,7 @@ def _angle(
 
 
 def expression(terms: Mapping[Product, float], shape: Shape) -> Any:
-    """The terms as a nested sum: accelerations, speeds and g outside, then masses (of g: angles), then the rest."""
+    """The terms as a nested sum: accelerations and speeds outside, then masses (with g: angles), then the rest."""
     by_motion = _grouped(terms, lambda f, key: f.rank in (MOTION, WEIGHT))
     written = []
     for motion, rest in by_motion:
@@ -104,9 +104,9 @@ def expression(terms: Mapping[Product, float], shape: Shape) -> Any:
         second = ANGLE if heavy or not massive else MASS
         parts = [
             _times(shape, outer, [_leaf(shape, key, c) for key, c in _sorted(inner)])
-            for outer, inner in _grouped(rest, lambda f, key, rank=second: f.rank == rank)  # type: ignore[misc]
+            for outer, inner in _grouped(rest, lambda f, key, rank=second: f.rank == rank)
         ]
-        written.append(_times(shape, motion, parts))
+        written += [_times(shape, motion, [part]) for part in parts] if heavy else [_times(shape, motion, parts)]
     return _sum(shape, [_product(shape, *term) for term in written])
 
 
@@ -202,6 +202,8 @@ def latex_names(symbols: Sequence[Any]) -> dict[Any, str]:
 
 def latex_name(name: str) -> str:
     """A letter with its index below."""
+    if name == "det":
+        return r"\det B"
     if "(" in name:
         kind, inside = name.removesuffix(")").split("(")
         words = " ".join(latex_name(w) if w[0] == "q" else w for w in inside.replace("*", " ").split())

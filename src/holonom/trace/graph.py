@@ -182,6 +182,12 @@ class Scalar(_Value):
             return self
         return self._make("/", self.i, b.i)
 
+    def __pow__(self, k: int) -> Scalar:
+        power = self._other(1.0)
+        for _ in range(k):
+            power = power * self
+        return power
+
     def __rtruediv__(self, x: float) -> Scalar:
         return self._other(x) / self
 
