@@ -49,6 +49,8 @@ def test_what_cannot_be_calibrated_is_refused(recording: Path, capsys: pytest.Ca
     command = ["calibrate", "dynamics", str(recording), "--arm"]
     assert main([*command, "puma560"]) == 2
     assert "holds positions of 2 joints and torques of 2; arm 'puma560' has 6" in capsys.readouterr().err
+    assert main([*command, "scara"]) == 2
+    assert "arm 'scara' has 4" in capsys.readouterr().err
     assert main([*command, "puma"]) == 2
     assert "did you mean 'puma560'" in capsys.readouterr().err
     assert main([*command, "planar2r", "--cutoff", "500"]) == 2

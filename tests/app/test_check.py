@@ -60,7 +60,7 @@ def test_every_motion_that_cannot_be_made_has_its_line(cell: CellCopy) -> None:
     status, text = cell.call("check")
     assert status == 2
     first, second = text.removeprefix("holonom: error: ").splitlines()
-    assert first.startswith(cell.line("sort_coins.arps", "DRIVE 5") + ": joint 5 is to go to ")
+    assert first.startswith(cell.line("sort_coins.arps", "DRIVE 5") + ": wrist_bend is to go to ")
     assert second.startswith(cell.line("sort_coins.arps", "MOVES SHIFT") + ": ")
     assert "out of the arm's reach" in second
     assert second.endswith("(24 times)")

@@ -17,6 +17,10 @@ class Limits:
     speed: Array
     acceleration: Array
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(f"joint {k + 1}" for k in range(len(self.lower)))
+
 
 def limits_of(n: int, *, reach: float = 10.0, speed: float = 3.0, acceleration: float = 20.0) -> Limits:
     one = np.ones(n)

@@ -278,6 +278,8 @@ def test_bad_records_are_refused_by_name():
         identify(arm, t, q, q, cutoff=80.0)
     with pytest.raises(InputError, match="record more"):
         identify(arm, t[:200], q[:200], q[:200], cutoff=1.0)
+    with pytest.raises(InputError, match=r"equations are left|tells nothing"):
+        identify(arm, t, 0.0 * q, 0.0 * q)
     with pytest.raises(InputError, match=r"tells nothing about \d+ of \d+ base parameters, among .*Fv2"):
         identify(arm, t, q * [1.0, 0.0], q)
     with pytest.raises(OutOfLimits, match=r"use = 1\.5"):

@@ -113,6 +113,14 @@ def test_nearest_branch_returns_home_and_turns_whole_turns():
     assert (near.status == IkStatus.OK).all()
 
 
+def test_at_a_straight_wrist_the_free_joint_stays_where_it_was():
+    arm = load_arm("puma560")
+    q = np.array([[0.3, 0.5, -2.4, 0.4, 0.0, -0.5], [0.3, 0.5, -2.4, 0.4, 0.3, -0.5]])
+    near = arm.ik_nearest(arm.fk(q), q)
+    np.testing.assert_allclose(near.q, q, atol=1e-9)
+    assert near.status.tolist() == [IkStatus.SINGULAR, IkStatus.OK]
+
+
 @pytest.mark.oracle
 def test_inverse_against_eaik():
     """EAIK's subproblem decomposition finds the same set of solutions."""

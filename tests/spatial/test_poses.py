@@ -32,7 +32,7 @@ def test_poses_pass():
     [
         (lambda T: T[..., :3, :], "shape"),
         (lambda T: T * np.nan, "NaN"),
-        (lambda T: T @ np.diag([1.0, 1.0, -1.0, 1.0]), "no rotation"),
+        (lambda T: T @ np.diag([1.0, 1.0, -1.0, 1.0]), "mirror"),
         (lambda T: T @ np.diag([1.0, 1.0, 1.001, 1.0]), "no rotation"),
         (lambda T: T + np.eye(4)[3][:, None] * 0.1, "last row"),
         (lambda T: [["x"] * 4] * 4, "not a number"),

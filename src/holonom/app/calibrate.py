@@ -39,11 +39,18 @@ def calibrate_dynamics(
         No such recording or arm, another number of joints, or a motion that tells too little.
     """
     arm = load_arm(arm_name)
-    track = read_recording(recording).joints
+    read = read_recording(recording)
+    track = read.joints
     if track.position.shape[1] != arm.n or track.effort.shape[1] != arm.n:
         raise InputError(
             f"{recording} holds positions of {track.position.shape[1]} joints and torques of {track.effort.shape[1]}; "
             f"arm {arm_name!r} has {arm.n}: name the arm that was recorded with --arm"
+        )
+    recorded, named = read.joint_names, arm.limits.names
+    if tuple(recorded) != tuple(named):
+        raise InputError(
+            f"{recording} was recorded of joints {', '.join(recorded)}; arm {arm_name!r} has {', '.join(named)}: "
+            "name the arm that was recorded with --arm"
         )
     folder = None if output is None else prepare_output(output)
     found = identify(arm, track.time, track.position, track.effort, cutoff=cutoff, friction=friction)

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from holonom.app.cell_model import Camera, Cell, Parts, Placement
-from holonom.errors import CalibrationError, CellError
+from holonom.app.toml_lines import place_of
+from holonom.errors import CalibrationError, CellError, ImageError
 from holonom.lang import Part
 from holonom.spatial import pose
 from holonom.vision import (
@@ -72,7 +73,10 @@ def look(cell: Cell, path: Path) -> Seen:
     """
     assert cell.camera is not None
     assert cell.parts is not None
-    image = load_photograph(cell.camera.photograph)
+    try:
+        image = load_photograph(cell.camera.photograph)
+    except ImageError as problem:
+        raise ImageError(f"{place_of(path, 'camera', 'photograph')}: {problem}") from problem
     camera = calibrate(cell.camera, path)
     discs = find_coins(image)
     measured = measure(camera, discs)
@@ -92,7 +96,7 @@ def calibrate(camera: Camera, path: Path) -> TableCamera:
     try:
         return fit_homography(pixels, table)
     except CalibrationError as problem:
-        raise CellError(f"{path}: camera.points: {problem}") from problem
+        raise CellError(f"{place_of(path, 'camera', 'points')}: {problem}") from problem
 
 
 def _for_program(cell: Cell, parts: Parts, measured: tuple[TablePart, ...]) -> tuple[Part, ...]:

@@ -47,7 +47,9 @@ def _check_cell(path: Path) -> Answer:
     if found:
         raise ProgramError("\n".join(found))
     seen = len(job.seen.parts) if job.seen is not None else 0
-    lines = [f"{path}: no errors; {machine.moved} motions planned, about {machine.time():.1f} s"]
+    lines = [
+        f"{path}: no errors; {machine.moved} motions planned, at most about {machine.time():.1f} s (all from rest)"
+    ]
     if job.seen is not None:
         lines.append(f"{seen} parts seen in the photograph")
     data = {"kind": "cell", "parts": seen, "motions": machine.moved, "estimated_time_s": machine.time()}

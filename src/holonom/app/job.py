@@ -10,9 +10,11 @@ from holonom.app.camera import Seen, look
 from holonom.app.cell import load_cell
 from holonom.app.cell_model import Cell
 from holonom.app.taught import taught_problems
-from holonom.errors import CellError, ProgramFault
+from holonom.app.toml_lines import place_of
+from holonom.errors import CellError, ModelError, ProgramFault
 from holonom.lang import Program, load_program, start
 from holonom.mechanics import Arm
+from holonom.sim.plant import check_drives
 
 __all__ = ["Job", "load_job"]
 
@@ -48,6 +50,10 @@ def load_job(path: Path) -> Job:
     try:
         start(program, entry=cell.program.entry)
     except ProgramFault as fault:
-        raise CellError(f"{path}: program.entry: {fault}") from None
+        raise CellError(f"{place_of(path, 'program', 'entry')}: {fault}") from None
     arm = build_arm(cell)
+    try:
+        check_drives(arm.model)
+    except ModelError as problem:
+        raise CellError(f"{place_of(path, 'arm', 'preset')}: {problem}; puma560 has them") from None
     return Job(cell, program, seen, arm, tuple(taught_problems(arm, cell.arm.home, program, places)))

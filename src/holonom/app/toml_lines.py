@@ -9,8 +9,9 @@ import re
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
-__all__ = ["KeyPath", "key_lines"]
+__all__ = ["KeyPath", "key_lines", "place_of"]
 
 KeyPath = tuple[str | int, ...]
 """Keys of tables and indices of arrays from the root down: ("camera", "points", 0, "pixel")."""
@@ -34,6 +35,13 @@ class _Token:
 def key_lines(text: str) -> dict[KeyPath, int]:
     """Return the line number, from 1, of every key, table header and array element of a valid TOML text."""
     return _Scan(list(_tokens(text))).document()
+
+
+def place_of(path: Path, *keys: str | int) -> str:
+    """Return `file:line: key` of a key in a TOML file, for messages."""
+    line = key_lines(path.read_text(encoding="utf-8")).get(keys)
+    name = ".".join(str(key) for key in keys)
+    return f"{path}:{line}: {name}" if line is not None else f"{path}: {name}"
 
 
 def _tokens(text: str) -> Iterator[_Token]:

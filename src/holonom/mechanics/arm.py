@@ -25,6 +25,8 @@ from holonom.trace import Kernel
 __all__ = ["Arm", "IkCase", "IkNearest", "IkResult", "IkStatus", "Limits"]
 
 Array = NDArray[np.float64]
+FREE = 1e-8
+"""Singular value of the Jacobian below which a combination of joints moves nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -238,7 +240,19 @@ class Arm:
         branch = np.argmin((weight * np.abs(q - reference[..., None, :])).max(-1) + rank, axis=-1)
         taken = np.take_along_axis(q, branch[..., None, None], -2)[..., 0, :]
         status = np.take_along_axis(found.status, branch[..., None], -1)[..., 0]
-        return IkNearest(taken, status, branch, found.names)
+        return IkNearest(self._kept(T, taken, reference, status), status, branch, found.names)
+
+    def _kept(self, T: ArrayLike, q: Array, reference: Array, status: NDArray[np.int8]) -> Array:
+        """Singular branches with their free joints as in the reference, where that holds the pose."""
+        singular = status == IkStatus.SINGULAR
+        if not singular.any():
+            return q
+        _, s, Vt = np.linalg.svd(self.jacobian(q))
+        free = np.where(s[..., None] < FREE, Vt, 0.0)
+        moved = q + np.einsum("...ki,...kj,...j->...i", free, free, reference - q)
+        inside = ((moved >= self.limits.lower) & (moved <= self.limits.upper)).all(-1)
+        holds = np.abs(self.fk(moved) - np.asarray(T)).max((-1, -2)) < 1e-8
+        return np.where((singular & inside & holds)[..., None], moved, q)
 
     def _searched(self, T: ArrayLike, q0: Array) -> IkNearest:
         """What the numerical solver finds from q0."""

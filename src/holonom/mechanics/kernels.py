@@ -40,7 +40,7 @@ def bodies_of(model: ArmModel) -> list[Inertial]:
     if model.bodies is None:
         raise MissingInertia(
             f"arm {model.name!r} states no masses and inertias, so it has kinematics only; "
-            "give bodies= (mass, com, inertia per link) for dynamics"
+            "give bodies (mass, com, inertia per link; <inertial> in a URDF) for dynamics"
         )
     return links_with_rotors(model, model.bodies)
 

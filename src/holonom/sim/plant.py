@@ -20,12 +20,12 @@ from holonom.control import (
 from holonom.devices import DcMotor, Encoder, Friction, Gear, tracking_params
 from holonom.errors import ModelError, UnknownName
 from holonom.mechanics import Arm
-from holonom.model import Joint
+from holonom.model import ArmModel, Joint
 from holonom.sim.kernels import CASCADE, COMPUTED_TORQUE, POSITION_TICK, SPEED_TICK, STOP, advance
 from holonom.sim.plant_equation import plant_kernel
 from holonom.sim.records import STATE, Axis, axis_table
 
-__all__ = ["CONTROLLERS", "STEP", "TICK", "ControlSettings", "Ground", "Plant"]
+__all__ = ["CONTROLLERS", "STEP", "TICK", "ControlSettings", "Ground", "Plant", "check_drives"]
 
 Array = NDArray[np.float64]
 
@@ -174,6 +174,12 @@ def _axis_limits(joint: Joint, settings: ControlSettings) -> AxisLimits:
         motor.max_current * margin,
         settings.following_error,
     )
+
+
+def check_drives(model: ArmModel) -> None:
+    """Raise `ModelError` where a joint lacks what its drive's simulation needs."""
+    for joint in model.joints:
+        _motor(joint)
 
 
 def _motor(joint: Joint) -> DcMotor:

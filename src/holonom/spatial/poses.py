@@ -50,7 +50,9 @@ def check_pose(T: Any, name: str = "pose") -> Array:
     if not np.isfinite(A).all():
         raise NotAPose(f"{name} holds NaN or infinity")
     error, handed = _orthonormality(A)
-    if error > 1e-6 or handed <= 0.0:
+    if error <= 1e-6 and handed <= 0.0:
+        raise NotAPose(f"the rotation part of {name} is a mirror (det R = -1); turn one of its axes round")
+    if error > 1e-6:
         raise NotAPose(
             f"the rotation part of {name} is no rotation (R R^T differs from I by {error:.1e}); "
             "orthonormalise it, for instance with scipy's Rotation.from_matrix"

@@ -106,7 +106,7 @@ def limits_html(joint_names: Sequence[str], limits: Iterable[LimitUse]) -> str:
         "limits",
         "Limits touched",
         f'<table class="limits"><thead><tr><th></th>{head}</tr></thead><tbody>{rows}</tbody></table>'
-        '<p class="note">Largest value of the run against its limit, joint by joint.</p>',
+        '<p class="note">Largest value of the run against its limit, at any 0.1 ms step: briefer than curves show.</p>',
     )
 
 

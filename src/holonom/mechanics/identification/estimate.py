@@ -136,6 +136,11 @@ def _rows(model: ArmModel, base: BaseParameters, known: Array) -> Callable[..., 
 
 
 def _check_excitation(W: Array, base: BaseParameters) -> None:
+    if W.shape[0] < base.number:
+        raise InputError(
+            f"{W.shape[0]} equations are left for {base.number} base parameters: the record is too short or the arm "
+            "hardly moves; record a motion such as `excitation` finds"
+        )
     _, s, Vt = np.linalg.svd(W / base.scale, full_matrices=False)
     lost = s < DEFICIENT * s[0]
     if lost.any():

@@ -147,12 +147,13 @@ def _bounds(limits: JointLimits, torque: ArrayLike | None, n: int) -> _Bounds:
             raise ShapeError(f"{name} limits have shape {np.shape(value)}; the path has {n} joints, give ({n},)")
         if not (value > 0.0).all():
             j = int(np.argmin(value > 0.0))
-            raise OutOfLimits(f"{name} limit of joint {j + 1} is {value[j]:g}; retiming needs a positive one")
+            raise OutOfLimits(f"{name} limit of {limits.names[j]} is {value[j]:g}; retiming needs a positive one")
     for j in range(n):
         if np.isinf(limits.speed[j]) or (np.isinf(limits.acceleration[j]) and np.isinf(strength[j])):
             raise OutOfLimits(
-                f"joint {j + 1} has speed limit {limits.speed[j]:g}, acceleration limit {limits.acceleration[j]:g} and "
-                f"torque limit {strength[j]:g}; give a finite speed, and a finite acceleration or torque"
+                f"{limits.names[j]} has speed limit {limits.speed[j]:g}, acceleration limit "
+                f"{limits.acceleration[j]:g} and torque limit {strength[j]:g}; "
+                "give a finite speed, and a finite acceleration or torque"
             )
     return _Bounds(limits.speed, limits.acceleration, strength)
 
@@ -179,7 +180,7 @@ def _check_positions(path: JointPath, course: _Course, limits: JointLimits) -> N
     if outside.any():
         row, j = np.unravel_index(int(np.argmax(outside)), outside.shape)
         raise MotionError(
-            f"{place_of(path, float(course.s[row]))} joint {j + 1} is outside its limits {limits.lower[j]:.6g} to "
+            f"{place_of(path, float(course.s[row]))} {limits.names[j]} is outside its limits {limits.lower[j]:.6g} to "
             f"{limits.upper[j]:.6g}; lead the path another way"
         )
 

@@ -230,7 +230,7 @@ def _check_positions(q: Array, limits: JointLimits, course: Course, s: Array) ->
         row = int(np.argmax(outside.any(axis=1)))
         j = int(np.argmax(outside[row]))
         raise MotionError(
-            f"{where(course, float(s[row]))} joint {j + 1} would go to {q[row, j]:.6g}; "
+            f"{where(course, float(s[row]))} {limits.names[j]} would go to {q[row, j]:.6g}; "
             f"its limits are {limits.lower[j]:.6g} to {limits.upper[j]:.6g} (rad or m)"
         )
 

@@ -18,7 +18,11 @@ STILL = 1e-12  # shorter motions (rad, m) are none
 
 
 class JointLimits(Protocol):
-    """Limits of n joints, each (n,): positions (rad or m), speed (1/s), acceleration (1/s^2)."""
+    """Limits of n joints, each (n,): positions (rad or m), speed (1/s), acceleration (1/s^2); and their names."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the joints, for messages."""
 
     @property
     def lower(self) -> Array:
@@ -92,12 +96,12 @@ def joint_vector(name: str, value: ArrayLike, n: int) -> Array:
 
 
 def check_inside(q: Array, limits: JointLimits) -> None:
-    """Raise `OutOfLimits` where a position in `q` (n,) lies outside its limits; joints count from 1."""
+    """Raise `OutOfLimits` where a position in `q` (n,) lies outside its limits."""
     outside = (q < limits.lower) | (q > limits.upper)
     if outside.any():
         j = int(np.argmax(outside))
         raise OutOfLimits(
-            f"joint {j + 1} is to go to {q[j]:.6g}; "
+            f"{limits.names[j]} is to go to {q[j]:.6g}; "
             f"its limits are {limits.lower[j]:.6g} to {limits.upper[j]:.6g} (rad or m)"
         )
 

@@ -87,7 +87,7 @@ def _check_rates(limits: JointLimits) -> None:
     for name, values in (("speed", limits.speed), ("acceleration", limits.acceleration)):
         if not (values > 0.0).all() or not np.isfinite(values).all():
             j = int(np.argmin((values > 0.0) & np.isfinite(values)))
-            raise OutOfLimits(f"{name} limit of joint {j + 1} is {values[j]:g}; give a positive, finite one")
+            raise OutOfLimits(f"{name} limit of {limits.names[j]} is {values[j]:g}; give a positive, finite one")
 
 
 def _solve(ruckig: Any, first: list[Array], last: list[Array], limits: JointLimits, jerk: Array, dt: float) -> Any:
@@ -115,6 +115,6 @@ def _check_way(q: Array, limits: JointLimits) -> None:
         j = int(np.argmax(outside.any(axis=0)))
         worst = q[np.argmax(outside[:, j]), j]
         raise MotionError(
-            f"joint {j + 1} would go to {worst:.6g} on the way; its limits are {limits.lower[j]:.6g} to "
+            f"{limits.names[j]} would go to {worst:.6g} on the way; its limits are {limits.lower[j]:.6g} to "
             f"{limits.upper[j]:.6g} (rad or m): start slower, or take a way round"
         )
