@@ -53,6 +53,8 @@ def test_graph_multiplies_along_the_chain_and_solves_any_edge():
     np.testing.assert_allclose(graph.between("t", "w"), inverse(wt), atol=1e-12)
     rest = PoseGraph({("w", "w2"): np.eye(4), ("b", "0"): b0, ("n", "0"): n0, ("n", "t"): nt})
     np.testing.assert_allclose(rest.solve("w", "b", "w", "t", wt), wb, atol=1e-12)
+    bare = PoseGraph({("b", "0"): b0, ("n", "0"): n0, ("n", "t"): nt})
+    np.testing.assert_allclose(bare.solve("w", "b", "w", "t", wt), wb, atol=1e-12)
     with pytest.raises(ModelError, match="no chain"):
         rest.between("w", "t")
     with pytest.raises(UnknownName, match="frame 'x'"):

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from holonom.errors import InputError, UnknownName
+from holonom.mechanics.arm import Arm
 from holonom.mechanics.equations import composite_body, coriolis, kinematics, newton_euler
 from holonom.mechanics.equations.inertia import Inertial
 from holonom.mechanics.equations.vectors import Matrix, Vector, columns, sub
@@ -149,7 +150,7 @@ QUANTITIES: Mapping[str, Callable[[_Lettered], Entries]] = {
 
 
 def formulas(
-    model: ArmModel,
+    arm: Arm | ArmModel,
     what: str = "inverse_dynamics",
     *,
     values: Literal["symbols", "numbers"] = "symbols",
@@ -160,6 +161,7 @@ def formulas(
 
     Parameters
     ----------
+    arm : an arm or its model.
     what : one of `QUANTITIES`: "fk" (position and rotation of the tool), "jacobian" (in the world), "mass_matrix",
         "coriolis_matrix", "gravity", "inverse_dynamics", and "forward_dynamics" (up to two joints).
     values : "symbols" puts letters for the arm's numbers (see `symbolic_model`: a1, d1, m1, cx1, Izz1, k1, Im1, g),
@@ -183,6 +185,7 @@ def formulas(
         raise UnknownName("formula", what, QUANTITIES)
     if values not in ("symbols", "numbers"):
         raise UnknownName("kind of values", str(values), ("symbols", "numbers"))
+    model = arm.model if isinstance(arm, Arm) else arm
     sympy = _sympy()
     graph = Graph()
     letter = Letters(graph, names or {})
