@@ -8,6 +8,7 @@ import pytest
 from arms import random_model, random_tree
 
 from holonom.errors import InputError, MissingInertia, UnknownName
+from holonom.mechanics import load_arm
 from holonom.mechanics.equations import composite_body, coriolis, forward_dynamics, kinematics, newton_euler
 from holonom.mechanics.kernels import bodies_of
 from holonom.mechanics.symbolic import QUANTITIES, formulas
@@ -166,3 +167,8 @@ def test_without_sympy_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "sympy", None)
     with pytest.raises(InputError, match=r"holonom\[symbolic\]"):
         formulas(planar())
+
+
+def test_an_arm_serves_as_well_as_its_model():
+    arm = load_arm("planar2r")
+    assert formulas(arm, "mass_matrix").text == formulas(arm.model, "mass_matrix").text
