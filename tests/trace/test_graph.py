@@ -153,3 +153,17 @@ def test_generated_source_is_readable(xy):
     assert "def single(a, y):" in kernel.source
     assert "square_plus_one" in kernel.source
     assert kernel.operations == 2
+
+
+def test_freshly_compiled_rows_equal_single_samples(tmp_path: Path):
+    """A wide kernel, compiled in an empty cache: reassociating flags once spoilt one of its outputs, on first use only."""
+    script = (
+        "import numpy as np, holonom as hm\n"
+        "k = hm.load_arm('puma560').kernel('regressor')\n"
+        "x = np.random.default_rng(7).uniform(-1.0, 1.0, (3, 50, 6))\n"
+        "rows = k(*x)\n"
+        "print(np.abs(rows - [k(*row) for row in x.transpose(1, 0, 2).copy()]).max())\n"
+    )
+    environment = os.environ | {"HOLONOM_CACHE": str(tmp_path)}
+    found = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True)
+    assert float(found.stdout) < 1e-12

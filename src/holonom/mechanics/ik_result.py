@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,8 +34,7 @@ class IkCase(IntEnum):
     ON_AXIS = 3
 
 
-@dataclass(frozen=True, slots=True)
-class IkResult:
+class IkResult(NamedTuple):
     """All branches of an inverse.
 
     q : (..., k, n) rad or m; status : (..., k) int8, an `IkStatus`; names : the k branch names, explained in
