@@ -156,7 +156,7 @@ def test_generated_source_is_readable(xy):
 
 
 def test_freshly_compiled_rows_equal_single_samples(tmp_path: Path):
-    """A wide kernel, compiled in an empty cache: reassociating flags once spoilt one of its outputs, on first use only."""
+    """A wide kernel in an empty cache: reassociating flags once spoilt one of its outputs, on first use only."""
     script = (
         "import numpy as np, holonom as hm\n"
         "k = hm.load_arm('puma560').kernel('regressor')\n"
