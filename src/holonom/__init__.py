@@ -11,6 +11,7 @@
 `hm.model`         robot descriptions
 `hm.devices`       motors, gears, friction, encoders
 `hm.control`       regulators, servo cascade, computed torque
+`hm.mobile`        wheels, bases, odometry and its calibration
 `hm.vision`        camera over a table, coins
 `hm.lang`          the ARPS robot language
 `hm.sim`           the simulated cell
@@ -26,12 +27,23 @@ from typing import TYPE_CHECKING, Any
 from holonom import errors, signals
 
 if TYPE_CHECKING:
-    from holonom import control, devices, lang, mechanics, model, sim, spatial, trace, vision
+    from holonom import control, devices, lang, mechanics, mobile, model, sim, spatial, trace, vision
     from holonom.mechanics import Arm, arm_from_dh, load_arm
     from holonom.model import DHRow
 
 __version__ = "0.1.0"
-_SUBPACKAGES = ("control", "devices", "lang", "mechanics", "model", "plots", "sim", "spatial", "trace", "vision")
+_SUBPACKAGES = (
+    "control",
+    "devices",
+    "lang",
+    "mechanics",
+    "mobile",
+    "model",
+    "plots",
+    "sim",
+    "trace",
+    "vision",
+)
 _LAZY = {
     "Arm": "holonom.mechanics",
     "DHRow": "holonom.model",
@@ -48,10 +60,10 @@ __all__ = [
     "lang",
     "load_arm",
     "mechanics",
+    "mobile",
     "model",
     "signals",
     "sim",
-    "spatial",
     "trace",
     "vision",
 ]

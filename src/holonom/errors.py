@@ -10,7 +10,8 @@ HolonomError
 │   ├── ShapeError            an array of the wrong shape, type or with NaN
 │   ├── NotAPose              a matrix that is no rigid transform
 │   ├── OutOfLimits           a joint, speed or setting outside its limits
-│   ├── CalibrationError      too few, collinear or contradicting calibration points
+│   ├── CalibrationError      measurements that do not determine what is calibrated
+│   ├── LogError              a log: file, line, column
 │   ├── ImageError            a photograph that is missing or not an image
 │   └── OutputError           a folder or file that cannot be written
 └── RunError                  something that failed after the start (exit status 1)
@@ -32,6 +33,7 @@ __all__ = [
     "HolonomError",
     "ImageError",
     "InputError",
+    "LogError",
     "MissingInertia",
     "ModelError",
     "MotionError",
@@ -94,7 +96,11 @@ class OutOfLimits(InputError):
 
 
 class CalibrationError(InputError):
-    """Calibration points that do not determine the camera."""
+    """Measurements that do not determine what is to be calibrated."""
+
+
+class LogError(InputError):
+    """A log of measurements that cannot be used; the message names file, line and column."""
 
 
 class ImageError(InputError):

@@ -8,7 +8,19 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["DriveState", "Event", "FramePoses", "JointCommand", "JointState", "Signal", "Sink"]
+__all__ = [
+    "BaseCommand",
+    "BaseState",
+    "DriveState",
+    "Event",
+    "FramePoses",
+    "Inertial",
+    "JointCommand",
+    "JointState",
+    "Record",
+    "Signal",
+    "Sink",
+]
 
 Array = NDArray[np.float64]
 
@@ -43,6 +55,37 @@ class DriveState:
 
 
 @dataclass(frozen=True, slots=True)
+class BaseState:
+    """Where a mobile base believes to be.
+
+    Pose (3,): x, y, theta of base_link in odom; its `covariance` (3, 3); twist (3,): vx, vy, w in base_link.
+    """
+
+    time: float
+    pose: Array
+    twist: Array
+    covariance: Array
+
+
+@dataclass(frozen=True, slots=True)
+class BaseCommand:
+    """Reference of a mobile base: pose (3,) in odom and twist (3,) in base_link."""
+
+    time: float
+    pose: Array
+    twist: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Inertial:
+    """What a gyro and accelerometers on base_link measure: turning rate (rad/s) about z, acceleration (2,) m/s2."""
+
+    time: float
+    rate: float
+    acceleration: Array
+
+
+@dataclass(frozen=True, slots=True)
 class FramePoses:
     """World poses of named frames: `poses` (k, 4, 4), T_wx for x in `names`."""
 
@@ -71,8 +114,12 @@ class Event:
     line: int = 0
 
 
+Record = JointState | JointCommand | DriveState | BaseState | BaseCommand | Inertial | FramePoses | Signal | Event
+"""Any of them."""
+
+
 class Sink(Protocol):
     """Takes records as they come: the recorder, the studio, a test."""
 
-    def put(self, record: JointState | JointCommand | DriveState | FramePoses | Signal | Event) -> None:
+    def put(self, record: Record) -> None:
         """Take one record; `record.time` never decreases within one kind."""

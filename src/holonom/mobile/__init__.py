@@ -1,0 +1,1 @@
+"""Mobile bases: wheels, what drives them, odometry and its calibration (specification 06)."""

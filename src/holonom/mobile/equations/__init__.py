@@ -1,0 +1,1 @@
+"""Equations of wheels and bases, plain Python over scalars, traced."""
