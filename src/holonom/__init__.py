@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 from holonom import errors, signals
 
 if TYPE_CHECKING:
-    from holonom import control, devices, lang, mechanics, mobile, model, sim, spatial, trace, vision
+    from holonom import control, devices, lang, mechanics, mobile, model, sim, trace, vision
     from holonom.mechanics import Arm, arm_from_dh, load_arm
     from holonom.model import DHRow
 
@@ -41,6 +41,7 @@ _SUBPACKAGES = (
     "model",
     "plots",
     "sim",
+    "spatial",
     "trace",
     "vision",
 )
