@@ -20,6 +20,7 @@ __all__ = [
     "Record",
     "Signal",
     "Sink",
+    "WheelContact",
 ]
 
 Array = NDArray[np.float64]
@@ -86,6 +87,19 @@ class Inertial:
 
 
 @dataclass(frozen=True, slots=True)
+class WheelContact:
+    """Wheels on the ground, each (n,).
+
+    Driving force (N); slip, the rim's speed over the ground (m/s); the rim speed that no twist explains (m/s).
+    """
+
+    time: float
+    force: Array
+    slip: Array
+    residual: Array
+
+
+@dataclass(frozen=True, slots=True)
 class FramePoses:
     """World poses of named frames: `poses` (k, 4, 4), T_wx for x in `names`."""
 
@@ -114,7 +128,18 @@ class Event:
     line: int = 0
 
 
-Record = JointState | JointCommand | DriveState | BaseState | BaseCommand | Inertial | FramePoses | Signal | Event
+Record = (
+    JointState
+    | JointCommand
+    | DriveState
+    | BaseState
+    | BaseCommand
+    | Inertial
+    | WheelContact
+    | FramePoses
+    | Signal
+    | Event
+)
 """Any of them."""
 
 

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from holonom.app.recording.cdr import CdrReader, CdrWriter, Layout
 from holonom.signals import Event
@@ -14,16 +18,25 @@ __all__ = [
     "JointMessage",
     "array_layout",
     "array_size",
+    "inertial_layout",
+    "inertial_values",
     "joint_layout",
     "joint_message",
     "log_event",
     "log_message",
+    "odometry_layout",
+    "odometry_plane",
+    "odometry_values",
     "pose_layout",
     "transform_layout",
     "transform_names",
 ]
 
-WORLD = "world"
+Array = NDArray[np.float64]
+
+WORLD, ODOM, BASE = "world", "odom", "base_link"
+_PLANE = np.array([0, 1, 5])
+"""x, y and turning about z among the six of a ROS pose or twist."""
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40}
 
 
@@ -97,6 +110,41 @@ def transform_names(message: bytes) -> tuple[str, ...]:
 def pose_layout() -> Layout:
     """geometry_msgs/PoseStamped in the world; open: x y z and quaternion x y z w."""
     return CdrWriter().stamp().text(WORLD).doubles(7).layout()
+
+
+def odometry_layout() -> Layout:
+    """nav_msgs/Odometry of base_link in odom; open: the numbers of `odometry_values`."""
+    return CdrWriter().stamp().text(ODOM).text(BASE).doubles(7 + 36 + 6 + 36).layout()
+
+
+def odometry_values(pose: Array, twist: Array, covariance: Array) -> Array:
+    """Pose (3,) and its covariance (3, 3), twist (3,) of a plane base as the 85 numbers of a nav_msgs/Odometry."""
+    values = np.zeros(85)
+    values[[0, 1, 5, 6]] = pose[0], pose[1], math.sin(pose[2] / 2), math.cos(pose[2] / 2)
+    values[7:43].reshape(6, 6)[np.ix_(_PLANE, _PLANE)] = covariance
+    values[43 + _PLANE] = twist
+    return values
+
+
+def odometry_plane(values: Array) -> tuple[Array, Array, Array]:
+    """Poses (N, 3), twists (N, 3) and covariances (N, 3, 3) from rows (N, 85) of nav_msgs/Odometry."""
+    x, y, z, w = values[:, 3:7].T
+    heading = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    covariance = values[:, 7:43].reshape(-1, 6, 6)[:, _PLANE[:, None], _PLANE]
+    return np.column_stack([values[:, :2], heading]), values[:, 43 + _PLANE], covariance
+
+
+def inertial_layout() -> Layout:
+    """sensor_msgs/Imu on base_link; open: the numbers of `inertial_values`."""
+    return CdrWriter().stamp().text(BASE).doubles(4 + 9 + 3 + 9 + 3 + 9).layout()
+
+
+def inertial_values(rate: float, acceleration: Array) -> Array:
+    """Turning rate and acceleration (2,) as the 37 numbers of a sensor_msgs/Imu that states no orientation."""
+    values = np.zeros(37)
+    values[3], values[4] = 1.0, -1.0  # no orientation: its covariance starts with -1
+    values[15], values[25:27] = rate, acceleration
+    return values
 
 
 def log_message(nanoseconds: int, event: Event) -> bytes:

@@ -20,11 +20,13 @@ from holonom.app.recording.messages import (
     joint_layout,
     joint_message,
     log_event,
+    odometry_layout,
+    odometry_plane,
     pose_layout,
     transform_layout,
     transform_names,
 )
-from holonom.app.recording.tracks import DriveTrack, FrameTrack, JointTrack, Recording
+from holonom.app.recording.tracks import BaseTrack, ContactTrack, DriveTrack, FrameTrack, JointTrack, Recording
 from holonom.errors import InputError
 from holonom.signals import Signal
 
@@ -69,12 +71,18 @@ def read_recording(path: str | Path) -> Recording:
     reference_names, reference = _joint_track(topics["/joint_reference"])
     time, current = _array_track(topics["/motor_current"])
     _, voltage = _array_track(topics["/motor_voltage"])
+    force_time, force = _array_track(topics["/wheel_force"])
+    _, slip = _array_track(topics["/wheel_slip"])
+    _, residual = _array_track(topics["/wheel_residual"])
     tool = _groups(topics["/tool_pose"], lambda message: None, lambda kind: pose_layout())
     return Recording(
         joint_names=names or reference_names,
         joints=joints,
         reference=reference,
         drives=DriveTrack(time, current, voltage),
+        base=_base_track(topics["/odom"]),
+        base_reference=_base_track(topics["/base_reference"]),
+        contacts=ContactTrack(force_time, force, slip, residual),
         tool=_frame_track([(group.time, group.values) for group in tool]),
         frames=_frames(topics["/tf"]),
         signals=_signals(topics),
@@ -133,6 +141,14 @@ def _joint_track(topic: _Topic) -> tuple[tuple[str, ...], JointTrack]:
 def _array_track(topic: _Topic) -> tuple[Array, Array]:
     groups = _groups(topic, array_size, array_layout)
     return (groups[0].time, groups[0].values) if groups else (np.empty(0), np.empty((0, 0)))
+
+
+def _base_track(topic: _Topic) -> BaseTrack:
+    groups = _groups(topic, lambda message: None, lambda kind: odometry_layout())
+    if not groups:
+        return BaseTrack(np.empty(0), np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3, 3)))
+    pose, twist, covariance = odometry_plane(groups[0].values)
+    return BaseTrack(groups[0].time, pose, twist, covariance)
 
 
 def _frames(topic: _Topic) -> dict[str, FrameTrack]:

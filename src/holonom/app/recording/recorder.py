@@ -18,14 +18,30 @@ from holonom.app.recording.cdr import CdrWriter
 from holonom.app.recording.messages import (
     JointMessage,
     array_layout,
+    inertial_layout,
+    inertial_values,
     joint_layout,
     log_message,
+    odometry_layout,
+    odometry_values,
     pose_layout,
     transform_layout,
 )
 from holonom.app.recording.schemas import schema_text
 from holonom.errors import OutputError
-from holonom.signals import DriveState, Event, FramePoses, JointCommand, JointState, Signal
+from holonom.signals import (
+    BaseCommand,
+    BaseState,
+    DriveState,
+    Event,
+    FramePoses,
+    Inertial,
+    JointCommand,
+    JointState,
+    Record,
+    Signal,
+    WheelContact,
+)
 
 __all__ = ["Recorder"]
 
@@ -38,6 +54,12 @@ _TOPICS = {
     "/motor_voltage": "std_msgs/Float64MultiArray",
     "/tf": "tf2_msgs/TFMessage",
     "/tool_pose": "geometry_msgs/PoseStamped",
+    "/odom": "nav_msgs/Odometry",
+    "/base_reference": "nav_msgs/Odometry",
+    "/imu": "sensor_msgs/Imu",
+    "/wheel_force": "std_msgs/Float64MultiArray",
+    "/wheel_slip": "std_msgs/Float64MultiArray",
+    "/wheel_residual": "std_msgs/Float64MultiArray",
     "/rosout": "rcl_interfaces/Log",
 }
 _SIGNAL_TYPE = "std_msgs/Bool"
@@ -54,7 +76,7 @@ class Recorder:
     path
         The file to write.
     joint_names
-        Names of the axes, in the order of the arrays in the records.
+        Names of the axes or wheels, in the order of the arrays in the records.
     tool
         Which of the frames also goes to `/tool_pose`.
 
@@ -67,6 +89,8 @@ class Recorder:
     __slots__ = (
         "_array",
         "_channels",
+        "_inertial",
+        "_odometry",
         "_pose",
         "_reference",
         "_schemas",
@@ -89,20 +113,22 @@ class Recorder:
         self._reference = joint_layout(JointMessage(names, arrays=2))
         self._array = array_layout(len(names))
         self._pose = pose_layout()
+        self._odometry = odometry_layout()
+        self._inertial = inertial_layout()
         self._transforms = lru_cache(maxsize=64)(transform_layout)
         self._tool = tool
         self._writer = Writer(self._stream, compression=CompressionType.ZSTD)
         self._writer.start(profile=Profile.ROS2, library="holonom")
         self._schemas: dict[str, int] = {}
-        self._channels = {topic: self._channel(topic, kind) for topic, kind in _TOPICS.items()}
+        self._channels: dict[str, int] = {}
 
-    def put(self, record: JointState | JointCommand | DriveState | FramePoses | Signal | Event) -> None:
+    def put(self, record: Record) -> None:
         """Take one record; see `holonom.signals.Sink`.
 
         Raises
         ------
         ShapeError
-            An array does not have one number per joint, or one pose per name.
+            An array does not have one number per joint or wheel, or one pose per name.
         """
         now = round(record.time * 1e9)
         match record:
@@ -115,10 +141,22 @@ class Recorder:
             case DriveState():
                 self._write("/motor_current", now, self._array.pack(now, record.current))
                 self._write("/motor_voltage", now, self._array.pack(now, record.voltage))
+            case BaseState():
+                values = odometry_values(record.pose, record.twist, record.covariance)
+                self._write("/odom", now, self._odometry.pack(now, values))
+            case BaseCommand():
+                values = odometry_values(record.pose, record.twist, np.zeros((3, 3)))
+                self._write("/base_reference", now, self._odometry.pack(now, values))
+            case Inertial():
+                self._write("/imu", now, self._inertial.pack(now, inertial_values(record.rate, record.acceleration)))
+            case WheelContact():
+                self._write("/wheel_force", now, self._array.pack(now, record.force))
+                self._write("/wheel_slip", now, self._array.pack(now, record.slip))
+                self._write("/wheel_residual", now, self._array.pack(now, record.residual))
             case FramePoses():
                 self._put_frames(now, record)
             case Signal():
-                self._put_signal(now, record)
+                self._write(f"/signals/{record.number}", now, CdrWriter().byte(record.on).message())
             case Event():
                 self._write("/rosout", now, log_message(now, record))
             case _:
@@ -145,13 +183,9 @@ class Recorder:
             tool = values[record.names.index(self._tool)]
             self._write("/tool_pose", now, self._pose.pack(now, tool))
 
-    def _put_signal(self, now: int, record: Signal) -> None:
-        topic = f"/signals/{record.number}"
-        if topic not in self._channels:
-            self._channels[topic] = self._channel(topic, _SIGNAL_TYPE)
-        self._write(topic, now, CdrWriter().byte(record.on).message())
-
     def _write(self, topic: str, now: int, message: bytes) -> None:
+        if topic not in self._channels:
+            self._channels[topic] = self._channel(topic, _TOPICS.get(topic, _SIGNAL_TYPE))
         self._writer.add_message(self._channels[topic], log_time=now, data=message, publish_time=now)
 
     def _channel(self, topic: str, kind: str) -> int:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from holonom.signals import Event, Signal
 
-__all__ = ["DriveTrack", "FrameTrack", "JointTrack", "Recording"]
+__all__ = ["BaseTrack", "ContactTrack", "DriveTrack", "FrameTrack", "JointTrack", "Recording"]
 
 Array = NDArray[np.float64]
 
@@ -63,6 +63,29 @@ class FrameTrack:
 
 
 @dataclass(frozen=True, slots=True)
+class BaseTrack:
+    """A base over time: `time` (N,) in s; `pose` (N, 3) x, y, theta in odom; `twist` (N, 3) in base_link.
+
+    `covariance` (N, 3, 3) of the pose; zero for a reference.
+    """
+
+    time: Array
+    pose: Array
+    twist: Array
+    covariance: Array
+
+
+@dataclass(frozen=True, slots=True)
+class ContactTrack:
+    """Wheels on the ground over time: `time` (N,) in s; `force` (N), `slip` and `residual` (m/s), each (N, n)."""
+
+    time: Array
+    force: Array
+    slip: Array
+    residual: Array
+
+
+@dataclass(frozen=True, slots=True)
 class Recording:
     """All that a run recorded; tracks have their own times, and are empty (N = 0) where nothing came."""
 
@@ -70,6 +93,9 @@ class Recording:
     joints: JointTrack
     reference: JointTrack
     drives: DriveTrack
+    base: BaseTrack
+    base_reference: BaseTrack
+    contacts: ContactTrack
     tool: FrameTrack
     frames: Mapping[str, FrameTrack]
     signals: tuple[Signal, ...]
@@ -77,7 +103,7 @@ class Recording:
 
     def end(self) -> float:
         """Time of the last record, s; 0 for an empty recording."""
-        times = [self.joints.time, self.reference.time, self.drives.time]
+        times = [self.joints.time, self.reference.time, self.drives.time, self.base.time, self.contacts.time]
         times += [frame.time for frame in self.frames.values()]
         last = [float(time[-1]) for time in times if len(time)]
         last += [signal.time for signal in self.signals[-1:]]
