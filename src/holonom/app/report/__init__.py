@@ -6,35 +6,50 @@ What the replay shows
     `Scene` of shapes fixed in recorded frames: `Tube`, `Box`, `Disc`, `Label`; `View` for its cameras.
     `arm_shapes` gives those of a preset arm, `gripper_shapes` those of a two-finger gripper.
 Sections
-    `Outcome` (how the run ended), `LimitUse` (peaks against limits), `PhotoOverlay` of `Detection`
-    (what the camera found), `Comparison` of `ComparedRun` in `Phase` (two controllers on one path).
+    `Curve` (lines over time), `Figures` of `TopView`, `Polar` and `Table`, `Outcome` (how the run ended), `LimitUse`
+    (peaks against limits), `PhotoOverlay` of `Detection` (what the camera found), `Comparison` of `ComparedRun` in
+    `Phase` (two controllers on one path).
 Inside
-    `embed` (numbers for the page, packed), `sections` and `comparison` (their HTML), `page` (the whole),
-    `assets` (script, style and the bundled libraries; `tools/bundle_report_assets.sh` rebuilds those).
+    `embed` (numbers for the page, packed), `sections`, `comparison`, `polar`, `topview` (their HTML), `page` (the
+    whole), `assets` (script, style and the bundled libraries; `tools/bundle_report_assets.sh` rebuilds those).
 """
 
 from holonom.app.report.arms import arm_shapes, gripper_shapes
 from holonom.app.report.comparison import ComparedRun, Comparison, Phase
+from holonom.app.report.curves import Curve, joint_curves
+from holonom.app.report.figures import Figures, Table
 from holonom.app.report.page import write_report
+from holonom.app.report.polar import Polar, PolarLine
 from holonom.app.report.scene import Box, Disc, Label, Scene, Shape, Tube, View
 from holonom.app.report.sections import Detection, LimitUse, Outcome, PhotoOverlay
+from holonom.app.report.topview import MapLine, MapMark, MapPatch, TopView
 
 __all__ = [
     "Box",
     "ComparedRun",
     "Comparison",
+    "Curve",
     "Detection",
     "Disc",
+    "Figures",
     "Label",
     "LimitUse",
+    "MapLine",
+    "MapMark",
+    "MapPatch",
     "Outcome",
     "Phase",
     "PhotoOverlay",
+    "Polar",
+    "PolarLine",
     "Scene",
     "Shape",
+    "Table",
+    "TopView",
     "Tube",
     "View",
     "arm_shapes",
     "gripper_shapes",
+    "joint_curves",
     "write_report",
 ]

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import base64
 import gzip
+from collections.abc import Sequence
 from dataclasses import asdict
 
 import numpy as np
 from numpy.typing import NDArray
 
 from holonom.app.recording import FrameTrack, Recording
+from holonom.app.report.curves import Curve
 from holonom.app.report.scene import Scene, Shape
 from holonom.errors import UnknownName
 
@@ -69,19 +71,18 @@ def add_frames(blob: Blob, recording: Recording, scene: Scene) -> int:
     return 0
 
 
-def add_curves(blob: Blob, recording: Recording) -> None:
-    """Add joint positions (deg), their errors (mrad), motor currents (A) and voltages (V), with their times."""
-    joints, reference, drives = recording.joints, recording.reference, recording.drives
-    keep = slice(None, None, _stride(len(joints.time)))
-    blob.add("time:joints", joints.time[keep])
-    blob.add("curve:position", np.degrees(joints.position[keep]))
-    if len(reference.time):
-        wanted = [np.interp(joints.time, reference.time, column) for column in reference.position.T]
-        blob.add("curve:error", 1e3 * (np.stack(wanted, axis=1) - joints.position)[keep])
-    keep = slice(None, None, _stride(len(drives.time)))
-    blob.add("time:drives", drives.time[keep])
-    blob.add("curve:current", drives.current[keep])
-    blob.add("curve:voltage", drives.voltage[keep])
+def add_curves(blob: Blob, curves: Sequence[Curve]) -> list[dict[str, object]]:
+    """Add curves, thinned, with their times, each stretch of times once; return what the page's script is told."""
+    times: dict[bytes, str] = {}
+    told: list[dict[str, object]] = []
+    for curve in curves:
+        keep = slice(None, None, _stride(len(curve.time)))
+        name = times.setdefault(curve.time[keep].tobytes(), f"time:{len(times)}")
+        if name not in blob.index:
+            blob.add(name, curve.time[keep])
+        blob.add(f"curve:{curve.key}", curve.values[keep])
+        told.append({"key": curve.key, "title": curve.title, "unit": curve.unit, "names": curve.names, "time": name})
+    return told
 
 
 def scene_json(scene: Scene) -> dict[str, object]:

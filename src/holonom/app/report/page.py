@@ -11,7 +11,9 @@ from pathlib import Path
 
 from holonom.app.recording import Recording
 from holonom.app.report.comparison import Comparison, comparison_html
+from holonom.app.report.curves import Curve, curves_html, joint_curves
 from holonom.app.report.embed import Blob, add_curves, add_frames, scene_json
+from holonom.app.report.figures import Figures, figures_html
 from holonom.app.report.scene import Scene
 from holonom.app.report.sections import (
     LimitUse,
@@ -39,6 +41,8 @@ def write_report(
     outcome: Outcome,
     subtitle: str = "",
     facts: Mapping[str, str] | None = None,
+    curves: Sequence[Curve] | None = None,
+    figures: Sequence[Figures] = (),
     limits: Sequence[LimitUse] = (),
     photograph: PhotoOverlay | None = None,
     comparison: Comparison | None = None,
@@ -56,7 +60,9 @@ def write_report(
         What the replay draws. Its frames must be in the recording, unless that holds no frame at all.
     title, subtitle, outcome, facts
         The head of the page; `facts` are a few labels with their values, units included.
-    limits, photograph, comparison
+    curves
+        What is drawn over time; those of the recorded joints unless given.
+    figures, limits, photograph, comparison
         Sections, left out where nothing is given.
     program
         Text of the program; the replay marks the line of the last event.
@@ -70,10 +76,10 @@ def write_report(
     """
     blob = Blob()
     missing = add_frames(blob, recording, scene)
-    add_curves(blob, recording)
+    shown = joint_curves(recording) if curves is None else curves
     data = {
         "end": recording.end(),
-        "joints": recording.joint_names,
+        "curves": add_curves(blob, shown),
         "events": [[event.time, event.line, event.level, event.text] for event in recording.events],
         "scene": {**scene_json(scene), "shapes": []} if missing else scene_json(scene),
         "index": blob.index,
@@ -84,6 +90,9 @@ def write_report(
         "outcome": f'<p class="outcome {"ok" if outcome.ok else "bad"}">{escape(outcome.text)}</p>',
         "facts": facts_html(facts or {}),
         "program": program_html(program),
+        "tool": escape(scene.tool.replace("_", " ")),
+        "curves": curves_html(shown),
+        "figures": "".join(figures_html(group) for group in figures),
         "comparison": comparison_html(comparison),
         "photograph": photo_html(photograph),
         "limits": limits_html(recording.joint_names, limits),

@@ -2,17 +2,16 @@
 
 class Plot {
   constructor(box, arrays, seek) {
-    const { curve, time, title, unit } = box.dataset;
-    const array = arrays[`curve:${curve}`];
+    const { key, title, unit, names, time } = data.curves.find((curve) => curve.key === box.dataset.curve);
     this.box = box;
+    this.names = names;
     this.hover = false;
-    if (!array || !array.rows) { box.remove(); return; }
-    this.times = arrays[`time:${time}`].cols[0];
+    this.times = arrays[time].cols[0];
     const heading = document.createElement("h3");
     heading.textContent = title;
     heading.append(Object.assign(document.createElement("small"), { textContent: `  ${unit}` }));
     box.append(heading);
-    this.chart = new vendor.uPlot(this.options(), [this.times, ...array.cols], box);
+    this.chart = new vendor.uPlot(this.options(), [this.times, ...arrays[`curve:${key}`].cols], box);
     this.line = Object.assign(document.createElement("div"), { className: "playhead" });
     this.chart.over.append(this.line);
     this.chart.over.addEventListener("mouseenter", () => { this.hover = true; });
@@ -40,7 +39,7 @@ class Plot {
       cursor: { sync: { key: "run", scales: ["x", null] }, points: { size: 6 } },
       series: [
         { label: "t", value: (_, value) => (value == null ? "–" : `${value.toFixed(2)} s`) },
-        ...data.joints.map((label, i) => ({
+        ...this.names.map((label, i) => ({
           label, stroke: COLOURS[i % COLOURS.length], width: 1.2, value: number, points: { show: false },
         })),
       ],
