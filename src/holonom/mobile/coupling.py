@@ -1,0 +1,197 @@
+"""Coupling between n driven wheels and the base: speeds by D, forces by C_alpha (specification 06.2; Rojas & Foerster).
+
+In equations a twist is v = (vx, vy, R w), an acceleration a = (ax, ay, R wd), m the rim speeds and f the forces of the
+wheels along the ground: `m = D v`, `a = C_alpha f / M`, `C_alpha = diag(1, 1, 1/alpha) D^T`, `I = alpha M R^2`. Verbs
+take and give (vx, vy, w) in m/s and rad/s.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from holonom.errors import ModelError, OutOfLimits, ShapeError
+
+__all__ = [
+    "Coupling",
+    "base_acceleration",
+    "base_force",
+    "base_twist",
+    "coupling_of",
+    "omni_coupling",
+    "rim_speeds",
+    "wheel_forces",
+]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Coupling:
+    """Coupling of n wheels, all that this chapter needs of a base.
+
+    Attributes
+    ----------
+    velocity
+        D (n, 3): rim speeds in m/s per (vx, vy, R w).
+    radius
+        R in m, the length that makes turning a speed.
+    alpha
+        Mass distribution, `I = alpha M R^2`: 1/2 for a disc, 1 for a ring.
+
+    Raises
+    ------
+    ShapeError, OutOfLimits, ModelError
+    """
+
+    velocity: Array
+    radius: float = 1.0
+    alpha: float = 1.0
+
+    def __post_init__(self) -> None:
+        D = np.array(self.velocity, float)
+        if D.ndim != 2 or D.shape[1] != 3 or not np.isfinite(D).all():
+            raise ShapeError(
+                f"coupling D has shape {D.shape}; it must be (n, 3), finite: a row per wheel, (vx, vy, R w)"
+            )
+        if not len(D):
+            raise ModelError("coupling D has no row; a drive needs at least one driven wheel")
+        for name, value in (("radius", self.radius), ("alpha", self.alpha)):
+            if not (math.isfinite(value) and value > 0.0):
+                raise OutOfLimits(f"coupling: {name} is {value!r}; it must be a finite number above 0")
+        D.setflags(write=False)
+        object.__setattr__(self, "velocity", D)
+
+    @property
+    def force(self) -> Array:
+        """C_alpha (3, n): (ax, ay, R wd) times the mass, per wheel force."""
+        C: Array = self.velocity.T / np.array([[1.0], [1.0], [self.alpha]])
+        return C
+
+    @property
+    def wheels(self) -> int:
+        """Number n of driven wheels."""
+        return len(self.velocity)
+
+
+def omni_coupling(
+    angles: ArrayLike, *, radius: float = 1.0, alpha: float = 1.0, levers: ArrayLike | None = None
+) -> Coupling:
+    """Couple omni wheels at any angles: rows `(-sin phi, cos phi, lever / R)` (specification 06.2).
+
+    Parameters
+    ----------
+    angles
+        phi (n,), rad: direction of each motor axis in base_link, counter-clockwise from x; the wheel drives along
+        (-sin phi, cos phi).
+    radius
+        R in m.
+    alpha
+        Mass distribution, `I = alpha M R^2`.
+    levers
+        (n,) distance in m at which each wheel's line of drive passes the centre of mass; R each unless given.
+
+    Raises
+    ------
+    ShapeError, OutOfLimits, ModelError
+    """
+    phi = np.atleast_1d(np.asarray(angles, float))
+    arm = np.full(phi.shape, radius) if levers is None else np.asarray(levers, float)
+    if phi.ndim != 1 or arm.shape != phi.shape:
+        raise ShapeError(f"angles have shape {phi.shape}, levers {arm.shape}; both must be (n,)")
+    if not radius > 0.0:
+        raise OutOfLimits(f"coupling: radius is {radius!r}; it must be a finite number above 0")
+    return Coupling(np.column_stack([-np.sin(phi), np.cos(phi), arm / radius]), radius, alpha)
+
+
+def coupling_of(base: Coupling | ArrayLike) -> Coupling:
+    """Coupling of a base; an array is D (n, 3) of a base with R = 1 m and alpha = 1.
+
+    Raises
+    ------
+    ShapeError, ModelError
+    """
+    if isinstance(base, Coupling):
+        return base
+    return Coupling(np.asarray(base, float))
+
+
+def rim_speeds(base: Coupling | ArrayLike, twist: ArrayLike) -> Array:
+    """Rim speeds (..., n), m/s, of a twist (..., 3) (vx, vy, w): `m = D v`.
+
+    Raises
+    ------
+    ShapeError
+    """
+    c = coupling_of(base)
+    m: Array = _last("twist", twist, 3) * [1.0, 1.0, c.radius] @ c.velocity.T
+    return m
+
+
+def base_twist(base: Coupling | ArrayLike, rims: ArrayLike) -> Array:
+    """Twist (..., 3) (vx, vy, w) that explains rim speeds (..., n), m/s, best: `v = D^+ m`, least squares.
+
+    Raises
+    ------
+    ShapeError
+    """
+    c = coupling_of(base)
+    v: Array = _last("rims", rims, c.wheels) @ np.linalg.pinv(c.velocity).T / [1.0, 1.0, c.radius]
+    return v
+
+
+def base_force(base: Coupling | ArrayLike, forces: ArrayLike) -> Array:
+    """Force and torque (..., 3) (Fx, Fy in N, torque in N m) of wheel forces (..., n), N: `D^T f`, torque times R.
+
+    Power balance: `f . m = Fx vx + Fy vy + torque w` for every twist.
+
+    Raises
+    ------
+    ShapeError
+    """
+    c = coupling_of(base)
+    F: Array = _last("forces", forces, c.wheels) @ c.velocity * [1.0, 1.0, c.radius]
+    return F
+
+
+def base_acceleration(base: Coupling | ArrayLike, forces: ArrayLike, mass: float) -> Array:
+    """Acceleration (..., 3) (ax, ay in m/s2, wd in rad/s2) of wheel forces (..., n), N: `a = C_alpha f / M`.
+
+    Raises
+    ------
+    ShapeError, OutOfLimits
+    """
+    c = coupling_of(base)
+    a: Array = _last("forces", forces, c.wheels) @ c.force.T / _mass(mass) / [1.0, 1.0, c.radius]
+    return a
+
+
+def wheel_forces(base: Coupling | ArrayLike, acceleration: ArrayLike, mass: float) -> Array:
+    """Smallest wheel forces (..., n), N, for an acceleration (..., 3) (ax, ay, wd): `f = M C_alpha^+ a`.
+
+    Fewer than three independent wheels come as near as they can; `failed_motor.redistribute` says what is missed.
+
+    Raises
+    ------
+    ShapeError, OutOfLimits
+    """
+    c = coupling_of(base)
+    a = _last("acceleration", acceleration, 3) * [1.0, 1.0, c.radius]
+    f: Array = _mass(mass) * a @ np.linalg.pinv(c.force).T
+    return f
+
+
+def _last(name: str, values: ArrayLike, size: int) -> Array:
+    array = np.asarray(values, float)
+    if array.shape[-1:] != (size,):
+        raise ShapeError(f"{name} has shape {array.shape}; its last axis must be {size}")
+    return array
+
+
+def _mass(mass: float) -> float:
+    if not (math.isfinite(mass) and mass > 0.0):
+        raise OutOfLimits(f"mass is {mass!r} kg; it must be a finite number above 0")
+    return mass

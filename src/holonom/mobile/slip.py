@@ -1,0 +1,301 @@
+"""Which wheel slips: measured rim speeds that no twist explains, and what a second source says of them (spec 06.2)."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import stats
+
+from holonom.errors import ModelError, OutOfLimits, ShapeError
+from holonom.mobile.coupling import Coupling, coupling_of
+from holonom.mobile.slip_kernels import (
+    AMBIGUOUS,
+    NO_SLIP,
+    SLIP,
+    UNDETECTABLE,
+    SlipParams,
+    slip_samples,
+    slip_start,
+)
+
+__all__ = ["SlipReport", "SlipSettings", "SlipStatus", "detect_slip", "separable_wheels", "slip_params"]
+
+Array = NDArray[np.float64]
+_RANK = 1e-9  # of a singular value beside the largest: below it the wheels do not determine the twist
+
+
+class SlipStatus(IntEnum):
+    """What is known: nothing slips; which wheel slips; that one of several does; three wheels cannot tell."""
+
+    NO_SLIP = NO_SLIP
+    SLIP = SLIP
+    AMBIGUOUS = AMBIGUOUS
+    UNDETECTABLE = UNDETECTABLE
+
+
+@dataclass(frozen=True, slots=True)
+class SlipSettings:
+    """How noisy the sources are and how sure a finding must be.
+
+    Attributes
+    ----------
+    noise
+        Standard deviation of a sample of rim speed, m/s: one number, or one per wheel (n,).
+    dt
+        Time between samples, s.
+    rate_noise, rate_bias
+        Gyro: standard deviation of a sample, and how far its zero may be off, rad/s.
+    max_acceleration, max_angular_acceleration
+        What the base can do, m/s2 and rad/s2; infinite: the last velocity tells nothing.
+    acceleration_error, angular_acceleration_error
+        How far an acceleration that is handed in (motor currents, accelerometers) may be off, m/s2 and rad/s2.
+    false_alarm
+        Probability that noise alone carries one sample over a bound.
+    persistence
+        How long slip must last before it is raised, s.
+    confirmation
+        How long all samples must name the same wheel before it is named, s; within the persistence.
+    most
+        Wheels that may slip at once. With 1 two wheels are considered only where no single one explains the speeds;
+        with 2 (n >= 6) a single one is named only if no two others explain them.
+
+    Raises
+    ------
+    OutOfLimits
+    """
+
+    noise: float | tuple[float, ...] = 0.02
+    dt: float = 1e-3
+    rate_noise: float = 0.01
+    rate_bias: float = 0.02
+    max_acceleration: float = math.inf
+    max_angular_acceleration: float = math.inf
+    acceleration_error: float = math.inf
+    angular_acceleration_error: float = math.inf
+    false_alarm: float = 1e-4
+    persistence: float = 0.010
+    confirmation: float = 0.005
+    most: int = 1
+
+    def __post_init__(self) -> None:
+        for name in ("dt", "max_acceleration", "max_angular_acceleration", "persistence", "confirmation"):
+            _positive(name, getattr(self, name))
+        for name in ("rate_noise", "rate_bias", "acceleration_error", "angular_acceleration_error"):
+            if not getattr(self, name) >= 0.0:
+                raise OutOfLimits(f"SlipSettings: {name} is {getattr(self, name)!r}; it must be 0 or more")
+        if not 0.0 < self.false_alarm < 0.5:
+            raise OutOfLimits(f"SlipSettings: false_alarm is {self.false_alarm!r}; it must be a probability below 0.5")
+        if self.most not in (1, 2):
+            raise OutOfLimits(f"SlipSettings: most is {self.most!r}; it must be 1 or 2 wheels")
+        for noise in np.atleast_1d(self.noise):
+            _positive("noise", float(noise))
+
+
+@dataclass(frozen=True, slots=True)
+class SlipReport:
+    """What N samples said.
+
+    Attributes
+    ----------
+    status
+        (N,) codes of `SlipStatus`.
+    wheel
+        (N,) index of the wheel named; -1 where none or two are.
+    named, candidates
+        (N, n) whether each wheel is known to slip, whether it may.
+    twist
+        (N, 3) vx, vy (m/s), w (rad/s) in base_link, without the slipping wheel.
+    residual
+        (N, n) `m - D D^+ m` of all wheels, m/s.
+    statistic, threshold
+        (N,) weighted square sum of the residual, and the bound that noise keeps below.
+    """
+
+    status: NDArray[np.int64]
+    wheel: NDArray[np.int64]
+    named: NDArray[np.bool_]
+    candidates: NDArray[np.bool_]
+    twist: Array
+    residual: Array
+    statistic: Array
+    threshold: float
+
+
+def detect_slip(
+    base: Coupling | ArrayLike,
+    speeds: ArrayLike,
+    settings: SlipSettings,
+    *,
+    rate: ArrayLike | None = None,
+    acceleration: ArrayLike | None = None,
+) -> SlipReport:
+    """Find slip in a log and name the wheel where something names it.
+
+    Parameters
+    ----------
+    base
+        A base, its coupling, or D (n, 3) of a base of radius 1 m.
+    speeds
+        (N, n) rim speeds, m/s (radius times speed of each wheel).
+    settings
+        Noise, limits, how sure to be.
+    rate
+        (N,) gyro, rad/s.
+    acceleration
+        (N, 3) ax, ay (m/s2), wd (rad/s2) of the base from motor currents or accelerometers; NaN where unknown.
+
+    Raises
+    ------
+    ShapeError
+    ModelError
+        Wheels that do not determine the twist.
+
+    Notes
+    -----
+    With n >= 5 the wheel is the one without which the others agree. With n = 4 every three wheels agree: named is the
+    wheel without which the twist agrees with the gyro and with the last velocity within the acceleration limits; if
+    several such remain the status is AMBIGUOUS. Two wheels that slip in just the ratio that a third one alone would
+    show (possible with n = 4 and 5) cannot be told from it. See `slip_step`, the same sample by sample.
+    """
+    coupling = coupling_of(base)
+    params = slip_params(coupling, settings)
+    n, R = len(params.coupling), coupling.radius
+    m = _finite("speeds", speeds, (-1, n))
+    gyro = np.full(len(m), np.nan) if rate is None else _finite("rate", rate, (len(m),))
+    push = np.full((len(m), 3), np.nan)
+    if acceleration is not None:
+        push = np.asarray(acceleration, float) * [1.0, 1.0, R]
+        if push.shape != (len(m), 3):
+            raise ShapeError(f"acceleration has shape {push.shape}; it must be ({len(m)}, 3): ax, ay, wd per sample")
+    status, wheels = np.empty(len(m), np.int64), np.empty((len(m), 2), np.int64)
+    twist, statistic = np.empty((len(m), 3)), np.empty(len(m))
+    slip_samples(params, slip_start(), m, gyro, push, status, wheels, twist, statistic)
+    bits = (wheels[:, :, None] >> np.arange(n)) & 1 == 1
+    one = bits[:, 0].sum(axis=1) == 1
+    residual = m - m @ params.inverses[0].T @ params.coupling.T
+    return SlipReport(
+        status, np.where(one, bits[:, 0].argmax(axis=1), -1), bits[:, 0], bits[:, 1], twist / [1.0, 1.0, R],
+        residual, statistic, float(params.thresholds[0]),
+    )  # fmt: skip
+
+
+def slip_params(base: Coupling | ArrayLike, settings: SlipSettings) -> SlipParams:
+    """Prepare `slip_step` for a base: inverses without one and two wheels, and what noise alone may do to each.
+
+    Raises
+    ------
+    ModelError
+        Wheels that do not determine the twist.
+    ShapeError
+        `settings.noise` has another number of wheels.
+    """
+    coupling = coupling_of(base)
+    D, R = coupling.velocity, coupling.radius
+    n = len(D)
+    noise = np.asarray(settings.noise, float)
+    if noise.shape not in ((), (n,)):
+        raise ShapeError(f"SlipSettings: noise is given for {noise.size} wheels; there are {n}")
+    weights = 1.0 / np.broadcast_to(noise, (n,)).astype(float)
+    sets = [s for s in ((), *_left_out(n)) if _determined(D, weights, s)]
+    if not sets or sets[0]:
+        raise ModelError(f"slip: these {n} wheels do not determine vx, vy and w: D has rank below 3; add a wheel")
+    fits = [_without(D, weights, s) for s in sets]
+    covariance = np.array([c for _, c in fits])
+    p = settings.false_alarm
+    dof = [n - 3 - len(s) for s in sets]
+    thresholds = np.array([stats.chi2.isf(p, k) if k > 0 else math.inf for k in dof])
+    blur = _blur(fits[0], D, weights, sets, math.sqrt(thresholds[0])) if n > 3 else np.zeros(2)
+    linear, angular = np.linalg.eigvalsh(covariance[:, :2, :2])[:, 1], covariance[:, 2, 2]
+    gate, gate2 = stats.norm.isf(p / 2.0), math.sqrt(stats.chi2.isf(p, 2))
+    return SlipParams(
+        dt=settings.dt,
+        radius=R,
+        coupling=np.ascontiguousarray(D),
+        weights=weights,
+        wheels=np.array([sum(1 << i for i in s) for s in sets], np.int64),
+        inverses=np.array([K for K, _ in fits]),
+        thresholds=thresholds,
+        linear_floor=gate2 * np.sqrt(linear + linear.max()) + blur[0],
+        angular_floor=gate * np.sqrt(angular + angular.max()) + blur[1],
+        rate_floor=gate * np.sqrt(angular + (R * settings.rate_noise) ** 2) + R * settings.rate_bias,
+        acceleration=np.array([settings.max_acceleration, R * settings.max_angular_acceleration]),
+        acceleration_error=np.array([settings.acceleration_error, R * settings.angular_acceleration_error]),
+        suspects=(1 << n) - 1,
+        redundancy=n - 3,
+        persistence=max(1, math.ceil(settings.persistence / settings.dt - 1e-9)),
+        confirmation=max(1, math.ceil(min(settings.confirmation, settings.persistence) / settings.dt - 1e-9)),
+        most=settings.most,
+    )
+
+
+def separable_wheels(base: Coupling | ArrayLike) -> NDArray[np.bool_]:
+    """(n, n) whether wheel speeds alone can tell slip of one wheel from slip of another.
+
+    The diagonal says whether slip of that wheel shows at all. Columns of `I - D D^+` that are parallel look alike:
+    with four wheels all are.
+    """
+    D = coupling_of(base).velocity
+    P = np.eye(len(D)) - D @ np.linalg.pinv(D)
+    size = np.sqrt(np.clip(np.diag(P), 0.0, None))
+    seen = size > math.sqrt(_RANK)
+    cosine = np.abs(P) / np.where(seen, size, 1.0) / np.where(seen, size, 1.0)[:, None]
+    apart: NDArray[np.bool_] = (cosine < 1.0 - _RANK) & seen & seen[:, None]
+    np.fill_diagonal(apart, seen)
+    return apart
+
+
+def _left_out(n: int) -> list[tuple[int, ...]]:
+    """Sets of one wheel, then of two, that leave at least three."""
+    return [s for size in (1, 2) if n - size >= 3 for s in itertools.combinations(range(n), size)]
+
+
+def _kept(D: Array, weights: Array, left_out: tuple[int, ...]) -> Array:
+    """Weighted D with zero rows for the wheels left out."""
+    A: Array = weights[:, None] * D
+    A[list(left_out)] = 0.0
+    return A
+
+
+def _determined(D: Array, weights: Array, left_out: tuple[int, ...]) -> bool:
+    values = np.linalg.svd(_kept(D, weights, left_out), compute_uv=False)
+    return bool(values[2] > _RANK * values[0])
+
+
+def _without(D: Array, weights: Array, left_out: tuple[int, ...]) -> tuple[Array, Array]:
+    """Least-squares inverse (3, n) without those wheels, and covariance (3, 3) of its twist."""
+    A = _kept(D, weights, left_out)
+    covariance: Array = np.linalg.inv(A.T @ A)
+    return covariance @ A.T * weights, covariance
+
+
+def _blur(fit: tuple[Array, Array], D: Array, weights: Array, sets: list[tuple[int, ...]], bound: float) -> Array:
+    """How far (linear, angular) slip that stays below the bound of the residual can carry the twist of all wheels."""
+    K, _ = fit
+    free = 1.0 - np.einsum("ij,ji->i", D, K)
+    worst = np.zeros(2)
+    for s in sets:
+        if len(s) == 1:
+            slip = (bound + 3.0) / (weights[s[0]] * math.sqrt(free[s[0]]))
+            shift = K[:, s[0]] * slip
+            worst = np.maximum(worst, [math.hypot(shift[0], shift[1]), abs(shift[2])])
+    return worst
+
+
+def _finite(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
+    array = np.ascontiguousarray(values, float)
+    if array.ndim != len(shape) or any(w not in (-1, k) for w, k in zip(shape, array.shape, strict=True)):
+        raise ShapeError(f"{name} has shape {array.shape}; it must be {shape} (-1: any)")
+    if not np.isfinite(array).all():
+        row = int(np.argwhere(~np.isfinite(array))[0][0])
+        raise ShapeError(f"{name} holds {array[row]} at sample {row}; all must be finite numbers")
+    return array
+
+
+def _positive(name: str, value: float) -> None:
+    if not value > 0.0:
+        raise OutOfLimits(f"SlipSettings: {name} is {value!r}; it must be above 0")

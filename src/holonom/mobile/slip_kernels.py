@@ -1,0 +1,252 @@
+"""Slip of one wheel (or two) from wheel speeds, sample by sample; compiled, nothing is checked or allocated.
+
+Every *hypothesis* is a set of wheels that may slip; row 0 is the empty one. For each, `slip.slip_params` holds the
+least-squares inverse that leaves those wheels out, the chi-square bound of what the others may disagree, and how far
+its twist may lie from a second source.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+__all__ = ["AMBIGUOUS", "NO_SLIP", "SLIP", "UNDETECTABLE", "SlipParams", "SlipSample", "SlipState", "slip_samples",
+           "slip_start", "slip_step"]  # fmt: skip
+
+NO_SLIP, SLIP, AMBIGUOUS, UNDETECTABLE = 0, 1, 2, 3
+"""Codes of `SlipStatus`."""
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+
+class SlipParams(NamedTuple):
+    """What `slip_step` needs of a base, its noise and its limits; made by `slip_params`.
+
+    n wheels, h hypotheses; wheel i is bit `1 << i` of a set. Twists are (vx, vy, R w) in m/s.
+    """
+
+    dt: float
+    radius: float
+    coupling: Floats  # D, (n, 3)
+    weights: Floats  # 1 / noise of each wheel, (n,), s/m
+    wheels: Integers  # the wheels that each hypothesis leaves out, (h,); the first leaves out none
+    inverses: Floats  # twist from rim speeds without those wheels, (h, 3, n)
+    thresholds: Floats  # of the weighted square sum of what remains, (h,)
+    linear_floor: Floats  # how far noise alone carries its twist from the last one, (h,), m/s
+    angular_floor: Floats
+    rate_floor: Floats  # how far noise alone carries its R w from the gyro's, (h,), m/s
+    acceleration: Floats  # limits of the base: linear, R times angular, (2,), m/s2
+    acceleration_error: Floats  # the same where an acceleration is measured
+    suspects: int  # the wheels that a second source can contradict
+    redundancy: int  # n - 3
+    persistence: int  # samples until slip is raised, or falls
+    confirmation: int  # samples that must agree on a name
+    most: int  # wheels that are allowed for slipping at once
+
+
+class SlipState(NamedTuple):
+    """What slip detection carries from sample to sample; `slip_start()` before the first."""
+
+    vx: float  # the last twist trusted, carried along since
+    vy: float
+    rw: float
+    slack: float  # how far limits let it move since, m/s
+    angular_slack: float
+    count: int  # samples above the bound, less those below
+    raised: bool
+    pending: int  # wheels that the last samples name
+    agreed: int  # how many samples did so
+    named: int
+
+
+class SlipSample(NamedTuple):
+    """What one sample says.
+
+    `status` is NO_SLIP, SLIP, AMBIGUOUS or UNDETECTABLE; `named` the set of wheels known to slip (bit i: wheel i);
+    `candidates` the set of those that may; (vx, vy, rw) the twist (vx, vy, R w) in m/s without them; `statistic`
+    the weighted square sum of the residual of all wheels.
+    """
+
+    status: int
+    named: int
+    candidates: int
+    vx: float
+    vy: float
+    rw: float
+    statistic: float
+
+
+@njit(cache=True)
+def slip_start() -> SlipState:
+    """State before the first sample: no twist is trusted yet."""
+    return SlipState(0.0, 0.0, 0.0, math.inf, math.inf, 0, False, 0, 0, 0)
+
+
+@njit(cache=True)
+def slip_step(
+    params: SlipParams, state: SlipState, speeds: Floats, rate: float, acceleration: Floats
+) -> tuple[SlipState, SlipSample]:
+    """Take one sample of wheel speeds; return the next state and what the sample says (specification 6.2).
+
+    Parameters
+    ----------
+    params, state
+        From `slip_params`; from the last call, at first `slip_start()`.
+    speeds
+        (n,) rim speeds r phid in m/s, in the order of D's rows.
+    rate
+        Gyro in rad/s; NaN where there is none.
+    acceleration
+        (3,) of the base in base_link: ax, ay, R wd in m/s2, from motor currents (`C_alpha f / M`) or accelerometers;
+        NaN where it is not known.
+
+    Notes
+    -----
+    Slip is raised when the residual of all wheels was above its bound `persistence` times more often than below. A
+    hypothesis stands if the wheels it keeps agree, its turning rate agrees with the gyro's, and its twist can have
+    come of the last trusted one. What all standing hypotheses share is named once `confirmation` samples in a row say
+    so, and stays named while slip lasts and a standing hypothesis holds it. Without redundancy (three wheels) a
+    second source can only contradict.
+    """
+    last = _carry(params, state, rate, acceleration)
+    known = math.isfinite(rate) or math.isfinite(last.slack)
+    vx, vy, rw, statistic = _fit(params, 0, speeds)
+    if params.redundancy > 0:
+        above = not statistic <= params.thresholds[0]
+    else:
+        above = not _distance(params, 0, last, vx, vy, rw, rate) <= 1.0
+    common, union, best = 0, 0, 0
+    if above and params.redundancy > 0:
+        common, union, best = _standing(params, last, speeds, rate)
+    after = _debounce(params, last, above, common, union if best > 0 else 0)
+    if best > 0 and (known or after.named != 0):
+        vx, vy, rw, _ = _fit(params, best, speeds)
+    if (after.raised and after.named != 0 and params.wheels[best] == after.named) or after.count == 0:
+        after = SlipState(vx, vy, rw, 0.0, 0.0, after.count, after.raised, after.pending, after.agreed, after.named)
+    return after, _sample(params, after, union, vx, vy, rw, statistic)
+
+
+@njit(cache=True)
+def slip_samples(
+    params: SlipParams, state: SlipState, speeds: Floats, rate: Floats, acceleration: Floats,
+    status: Integers, wheels: Integers, twist: Floats, statistic: Floats,
+) -> SlipState:  # fmt: skip
+    """`slip_step` over (N, n), (N,), (N, 3); write status (N,), named and candidates (N, 2), twist (N, 3), statistic."""
+    for k in range(speeds.shape[0]):
+        state, said = slip_step(params, state, speeds[k], rate[k], acceleration[k])
+        status[k], statistic[k] = said.status, said.statistic
+        wheels[k, 0], wheels[k, 1] = said.named, said.candidates
+        twist[k, 0], twist[k, 1], twist[k, 2] = said.vx, said.vy, said.rw
+    return state
+
+
+@njit(cache=True)
+def _sample(
+    params: SlipParams, state: SlipState, union: int, vx: float, vy: float, rw: float, statistic: float
+) -> SlipSample:
+    """Status of the state after this sample."""
+    if not state.raised:
+        status = NO_SLIP if params.redundancy > 0 else UNDETECTABLE
+        return SlipSample(status, 0, 0, vx, vy, rw, statistic)
+    if state.named != 0:
+        return SlipSample(SLIP, state.named, state.named, vx, vy, rw, statistic)
+    return SlipSample(AMBIGUOUS, 0, union if union != 0 else params.suspects, vx, vy, rw, statistic)
+
+
+@njit(cache=True)
+def _carry(params: SlipParams, state: SlipState, rate: float, acceleration: Floats) -> SlipState:
+    """Last trusted twist in base_link one sample later: the frame turns under it, the base may accelerate."""
+    dt = params.dt
+    w = rate if math.isfinite(rate) else state.rw / params.radius
+    vx, vy, rw = state.vx + dt * w * state.vy, state.vy - dt * w * state.vx, state.rw
+    slack, angular = params.acceleration[0], params.acceleration[1]
+    if math.isfinite(acceleration[0]) and math.isfinite(acceleration[1]):
+        vx, vy, slack = vx + dt * acceleration[0], vy + dt * acceleration[1], params.acceleration_error[0]
+    if math.isfinite(acceleration[2]):
+        rw, angular = rw + dt * acceleration[2], params.acceleration_error[1]
+    return SlipState(vx, vy, rw, state.slack + dt * slack, state.angular_slack + dt * angular, state.count,
+                     state.raised, state.pending, state.agreed, state.named)  # fmt: skip
+
+
+@njit(cache=True)
+def _fit(params: SlipParams, h: int, speeds: Floats) -> tuple[float, float, float, float]:
+    """Twist of hypothesis h, and the weighted square sum of what it leaves of the wheels that it keeps."""
+    n = speeds.shape[0]
+    inverse, D = params.inverses, params.coupling
+    vx, vy, rw = 0.0, 0.0, 0.0
+    for i in range(n):
+        if not (params.wheels[h] >> i) & 1:
+            vx += inverse[h, 0, i] * speeds[i]
+            vy += inverse[h, 1, i] * speeds[i]
+            rw += inverse[h, 2, i] * speeds[i]
+    total = 0.0
+    for i in range(n):
+        if not (params.wheels[h] >> i) & 1:
+            left = params.weights[i] * (speeds[i] - D[i, 0] * vx - D[i, 1] * vy - D[i, 2] * rw)
+            total += left * left
+    return vx, vy, rw, total
+
+
+@njit(cache=True)
+def _distance(params: SlipParams, h: int, last: SlipState, vx: float, vy: float, rw: float, rate: float) -> float:
+    """How far the twist of hypothesis h is from the second sources, as a share of what noise and limits allow."""
+    linear = math.hypot(vx - last.vx, vy - last.vy) / (params.linear_floor[h] + last.slack)
+    farthest = max(linear, abs(rw - last.rw) / (params.angular_floor[h] + last.angular_slack))
+    if math.isfinite(rate):
+        farthest = max(farthest, abs(rw - params.radius * rate) / params.rate_floor[h])
+    return farthest
+
+
+@njit(cache=True)
+def _standing(params: SlipParams, last: SlipState, speeds: Floats, rate: float) -> tuple[int, int, int]:
+    """Wheels common to all standing hypotheses, wheels of any of them, and the nearest to the second sources.
+
+    Two wheels are tried where no single wheel will do, or always if `most` is 2. Among the nearest, those that hold
+    the wheels named so far come first. Where wheel speeds leave hypotheses but the second sources contradict every
+    one, nothing is common, the wheels of all are returned, and 0.
+    """
+    common, union, possible, best, size = -1, 0, 0, 0, 0
+    nearest = math.inf
+    for h in range(1, params.wheels.shape[0]):
+        wheels = params.wheels[h]
+        pair = wheels & (wheels - 1) != 0
+        if pair and size == 1 and params.most == 1:
+            break
+        vx, vy, rw, left = _fit(params, h, speeds)
+        if not left <= params.thresholds[h]:
+            continue
+        possible |= wheels
+        size = max(size, 2 if pair else 1)
+        distance = _distance(params, h, last, vx, vy, rw, rate)
+        if not distance <= 1.0:
+            continue
+        common &= wheels
+        union |= wheels
+        distance += (1.0 if wheels & last.named != last.named else 0.0) + (2.0 if pair else 0.0)
+        if distance < nearest:
+            nearest, best = distance, h
+    if best == 0:
+        return 0, possible, 0
+    return common, union, best
+
+
+@njit(cache=True)
+def _debounce(params: SlipParams, state: SlipState, above: bool, common: int, standing: int) -> SlipState:
+    """Count this sample: raise and release slip, confirm a name, drop one that no longer stands."""
+    count = min(state.count + 1, params.persistence) if above else max(state.count - 1, 0)
+    raised = count == params.persistence or (state.raised and count > 0)
+    pending, agreed, named = state.pending, state.agreed, state.named
+    if above:
+        agreed = min(agreed + 1, params.confirmation) if common == pending else 1
+        pending = common
+        if agreed == params.confirmation and (pending != 0 or named & standing != named):
+            named = pending
+    if count == 0:
+        pending, agreed, named = 0, 0, 0
+    return SlipState(state.vx, state.vy, state.rw, state.slack, state.angular_slack, count, raised, pending, agreed,
+                     named)  # fmt: skip
