@@ -209,7 +209,7 @@ def slip_params(base: Coupling | ArrayLike, settings: SlipSettings) -> SlipParam
     p = settings.false_alarm
     dof = [n - 3 - len(s) for s in sets]
     thresholds = np.array([stats.chi2.isf(p, k) if k > 0 else math.inf for k in dof])
-    blur = _blur(fits[0], D, weights, sets, math.sqrt(thresholds[0])) if n > 3 else np.zeros(2)
+    blur = _blur(fits[0], D, weights, sets, math.sqrt(thresholds[0])) if n > 3 else (0.0, 0.0)
     linear, angular = np.linalg.eigvalsh(covariance[:, :2, :2])[:, 1], covariance[:, 2, 2]
     gate, gate2 = stats.norm.isf(p / 2.0), math.sqrt(stats.chi2.isf(p, 2))
     return SlipParams(
@@ -273,21 +273,23 @@ def _without(D: Array, weights: Array, left_out: tuple[int, ...]) -> tuple[Array
     return covariance @ A.T * weights, covariance
 
 
-def _blur(fit: tuple[Array, Array], D: Array, weights: Array, sets: list[tuple[int, ...]], bound: float) -> Array:
+def _blur(
+    fit: tuple[Array, Array], D: Array, weights: Array, sets: list[tuple[int, ...]], bound: float
+) -> tuple[float, float]:
     """How far (linear, angular) slip that stays below the bound of the residual can carry the twist of all wheels."""
     K, _ = fit
     free = 1.0 - np.einsum("ij,ji->i", D, K)
-    worst = np.zeros(2)
+    linear, angular = 0.0, 0.0
     for s in sets:
         if len(s) == 1:
             slip = (bound + 3.0) / (weights[s[0]] * math.sqrt(free[s[0]]))
             shift = K[:, s[0]] * slip
-            worst = np.maximum(worst, [math.hypot(shift[0], shift[1]), abs(shift[2])])
-    return worst
+            linear, angular = max(linear, math.hypot(shift[0], shift[1])), max(angular, abs(shift[2]))
+    return linear, angular
 
 
 def _finite(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
-    array = np.ascontiguousarray(values, float)
+    array: Array = np.ascontiguousarray(values, np.float64)
     if array.ndim != len(shape) or any(w not in (-1, k) for w, k in zip(shape, array.shape, strict=True)):
         raise ShapeError(f"{name} has shape {array.shape}; it must be {shape} (-1: any)")
     if not np.isfinite(array).all():

@@ -57,7 +57,7 @@ class SlipState(NamedTuple):
     rw: float
     slack: float  # how far limits let it move since, m/s
     angular_slack: float
-    count: int  # samples above the bound, less those below
+    level: int  # samples above the bound, less those below
     raised: bool
     pending: int  # wheels that the last samples name
     agreed: int  # how many samples did so
@@ -126,8 +126,8 @@ def slip_step(
     after = _debounce(params, last, above, common, union if best > 0 else 0)
     if best > 0 and (known or after.named != 0):
         vx, vy, rw, _ = _fit(params, best, speeds)
-    if (after.raised and after.named != 0 and params.wheels[best] == after.named) or after.count == 0:
-        after = SlipState(vx, vy, rw, 0.0, 0.0, after.count, after.raised, after.pending, after.agreed, after.named)
+    if (after.raised and after.named != 0 and params.wheels[best] == after.named) or after.level == 0:
+        after = SlipState(vx, vy, rw, 0.0, 0.0, after.level, after.raised, after.pending, after.agreed, after.named)
     return after, _sample(params, after, union, vx, vy, rw, statistic)
 
 
@@ -136,7 +136,7 @@ def slip_samples(
     params: SlipParams, state: SlipState, speeds: Floats, rate: Floats, acceleration: Floats,
     status: Integers, wheels: Integers, twist: Floats, statistic: Floats,
 ) -> SlipState:  # fmt: skip
-    """`slip_step` over (N, n), (N,), (N, 3); write status (N,), named and candidates (N, 2), twist (N, 3), statistic."""
+    """`slip_step` over (N, n), (N,), (N, 3); write status (N,), named and candidates (N, 2), twist, statistic."""
     for k in range(speeds.shape[0]):
         state, said = slip_step(params, state, speeds[k], rate[k], acceleration[k])
         status[k], statistic[k] = said.status, said.statistic
@@ -169,7 +169,7 @@ def _carry(params: SlipParams, state: SlipState, rate: float, acceleration: Floa
         vx, vy, slack = vx + dt * acceleration[0], vy + dt * acceleration[1], params.acceleration_error[0]
     if math.isfinite(acceleration[2]):
         rw, angular = rw + dt * acceleration[2], params.acceleration_error[1]
-    return SlipState(vx, vy, rw, state.slack + dt * slack, state.angular_slack + dt * angular, state.count,
+    return SlipState(vx, vy, rw, state.slack + dt * slack, state.angular_slack + dt * angular, state.level,
                      state.raised, state.pending, state.agreed, state.named)  # fmt: skip
 
 
@@ -238,15 +238,15 @@ def _standing(params: SlipParams, last: SlipState, speeds: Floats, rate: float) 
 @njit(cache=True)
 def _debounce(params: SlipParams, state: SlipState, above: bool, common: int, standing: int) -> SlipState:
     """Count this sample: raise and release slip, confirm a name, drop one that no longer stands."""
-    count = min(state.count + 1, params.persistence) if above else max(state.count - 1, 0)
-    raised = count == params.persistence or (state.raised and count > 0)
+    level = min(state.level + 1, params.persistence) if above else max(state.level - 1, 0)
+    raised = level == params.persistence or (state.raised and level > 0)
     pending, agreed, named = state.pending, state.agreed, state.named
     if above:
         agreed = min(agreed + 1, params.confirmation) if common == pending else 1
         pending = common
         if agreed == params.confirmation and (pending != 0 or named & standing != named):
             named = pending
-    if count == 0:
+    if level == 0:
         pending, agreed, named = 0, 0, 0
-    return SlipState(state.vx, state.vy, state.rw, state.slack, state.angular_slack, count, raised, pending, agreed,
+    return SlipState(state.vx, state.vy, state.rw, state.slack, state.angular_slack, level, raised, pending, agreed,
                      named)  # fmt: skip
