@@ -1,0 +1,430 @@
+"""`WheelBase`: wheels under one body, with their stacked constraints and their inverse and forward model."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from holonom.errors import InputError, ModelError, OutOfLimits, UnknownName
+from holonom.mobile import base_equations
+from holonom.mobile.castors import CastorRates, castor_rates
+from holonom.mobile.equations.base_models import Layout
+from holonom.mobile.evaluation import BaseEquation, samples, written
+from holonom.mobile.mobility import check_movable, free_twists
+from holonom.mobile.wheel import KINDS, Wheel
+from holonom.trace import Kernel
+
+__all__ = ["WheelBase"]
+
+Array = NDArray[np.float64]
+DRAG = 1e-6
+"""Sideways speed of a wheel, m/s, below which a twist counts as one that drags nothing."""
+DETERMINED = 1e-9
+"""Determinant of the scaled normal matrix below which wheel speeds do not determine a twist."""
+
+
+class WheelBase:
+    """Any set of wheels; twists are (vx, vy, w) in base_link (x forwards, y left), m/s and rad/s.
+
+    Every verb broadcasts over leading axes and takes lists. Bases without steered wheels work with constant matrices;
+    others evaluate equations that are compiled when a call brings some hundred samples (`kernel` hands them out).
+
+    Parameters
+    ----------
+    wheels
+        In the order of all rows. Nameless wheels are numbered.
+    name
+        What errors and figures call the base.
+    radius
+        R, m: scales turning, as R w beside vx and vy. None: root mean square distance of the wheels from the origin.
+    alpha
+        Mass distribution, inertia = alpha mass R^2: 1/2 a disc, 1 a ring.
+    mass
+        kg; None where it does not matter.
+    com, com_height
+        Centre of mass (x, y) in base_link and its height above the floor, m.
+    steering_groups
+        Name -> names of steered wheels that one motor turns together, by the same angle. Wheels in none steer alone.
+
+    Attributes
+    ----------
+    driven, steered, rolling_names, sliding_names : names of the m driven speeds, of the k steering angles, and of the
+        rows of `rolling_matrix` and `sliding_matrix`.
+
+    Raises
+    ------
+    ModelError
+        No wheels, none driven, a name twice, a number that is none, groups that are not disjoint sets of steered
+        wheels, or wheels that cannot roll together (names them).
+    UnknownName
+        A group names a wheel that there is not.
+    """
+
+    def __init__(
+        self,
+        wheels: Iterable[Wheel],
+        *,
+        name: str = "base",
+        radius: float | None = None,
+        alpha: float = 0.5,
+        mass: float | None = None,
+        com: Sequence[float] = (0.0, 0.0),
+        com_height: float = 0.0,
+        steering_groups: Mapping[str, Sequence[str]] | None = None,
+    ) -> None:
+        self.name, self.wheels = name, _named(name, wheels)
+        spread = math.sqrt(sum(w.l**2 for w in self.wheels) / len(self.wheels)) or max(w.radius for w in self.wheels)
+        self.radius = _positive(name, "radius", spread if radius is None else radius)
+        self.alpha = _positive(name, "alpha", alpha)
+        self.mass = None if mass is None else _positive(name, "mass", mass)
+        self.com = samples("com", com, 2)
+        self.com_height = float(com_height)
+        if not (math.isfinite(self.com_height) and self.com_height >= 0.0):
+            raise ModelError(
+                f"base {name!r} has com_height {com_height}; a height in m that is not below zero is needed"
+            )
+        groups = _groups(name, self.wheels, steering_groups or {})
+        self.steered = tuple(groups)
+        self.layout = Layout(self.wheels, tuple(groups.values()), self.radius)
+        self.driven = tuple(w.name + s for w in self.wheels if w.driven for s in KINDS[w.kind].speeds(w))
+        if not self.driven:
+            raise ModelError(f"base {name!r} has no driven wheel; mark those with motors driven=True")
+        check_movable(self.layout)
+        self.rolling_names = tuple(w.name + s for w in self.wheels for s in KINDS[w.kind].speeds(w))
+        self.sliding_names = tuple(w.name for w in self.wheels if KINDS[w.kind].sliding(w, 0.0, 1.0))
+        self._driven_rows = np.array([n in self.driven for n in self.rolling_names])
+        radii = [w.radius for w in self.wheels for _ in KINDS[w.kind].speeds(w)]
+        self.wheel_radii: Array = np.array(radii)[self._driven_rows]
+        self._equations: dict[str, BaseEquation] = {}
+
+    def __repr__(self) -> str:
+        return f"WheelBase({self.name!r}, {len(self.wheels)} wheels, {len(self.driven)} driven)"
+
+    def equation(self, name: str) -> BaseEquation:
+        """Return a model as an equation over samples: "wheel_speeds", "free_wheel_speeds", "steering", ....
+
+        See `base_equations.EQUATIONS`.
+        """
+        if name not in self._equations:
+            self._equations[name] = base_equations.make(name, self.layout, len(self.driven))
+        return self._equations[name]
+
+    def kernel(self, name: str) -> Kernel:
+        """Return the compiled form of `equation(name)`, for the fastest repeated calls and for compiled loops."""
+        return self.equation(name).kernel
+
+    # constraints
+
+    def rolling_matrix(self, steering: ArrayLike | None = None) -> Array:
+        """Rows (..., rows, 3) that times the twist give the rim speed r phid, m/s, of every wheel with a rolling row.
+
+        `steering` (..., k) rad; None: at rest. Castors and passive spheres have none: `castor_rates`.
+        """
+        return self._matrix("rolling_rows", steering, len(self.rolling_names))
+
+    def sliding_matrix(self, steering: ArrayLike | None = None) -> Array:
+        """Rows (..., rows, 3) that times the twist give the sideways speed, m/s, of the wheels in `sliding_names`."""
+        return self._matrix("sliding_rows", steering, len(self.sliding_names))
+
+    def _matrix(self, name: str, steering: ArrayLike | None, rows: int) -> Array:
+        angles = self._angles(steering)
+        if rows == 0:
+            return np.empty((*angles.shape[:-1], 0, 3))
+        if not self.steered:
+            constant = np.array(self.equation(name).equation([0.0])[0], dtype=float).reshape(rows, 3)
+            return np.broadcast_to(constant, (*angles.shape[:-1], rows, 3)).copy()
+        return self.equation(name)(angles)[0].reshape(*angles.shape[:-1], rows, 3)
+
+    def _angles(self, steering: ArrayLike | None) -> Array:
+        """Checked steering angles (..., k); those at rest for None."""
+        return np.zeros(len(self.steered)) if steering is None else samples("steering", steering, len(self.steered))
+
+    # inverse model
+
+    def steering(
+        self, twist: ArrayLike, current: ArrayLike | None = None, *, out: Array | None = None, threads: int = 1
+    ) -> Array:
+        """Angles (..., k), rad against the wheels' rest, that put each steered axle through the centre of rotation.
+
+        Parameters
+        ----------
+        twist : (..., 3).
+        current : (..., k) rad. The angle is then the nearest to it modulo half turns (the wheel may roll backwards),
+            and wheels whose contact stands still stay. None: wheels head where they roll, in (-pi, pi], and stay at 0;
+            wheels with `max_steering` always take the half turn around their rest.
+
+        A group that several wheels share takes the angle that drags them least.
+
+        Raises
+        ------
+        OutOfLimits
+            A wheel would have to turn beyond its `max_steering`.
+        ShapeError
+        """
+        if not self.steered:
+            twists = samples("twist", twist, 3)
+            return np.zeros((*twists.shape[:-1], 0))
+        given = (twist,) if current is None else (twist, current)
+        found = self.equation("steering" if current is None else "steering_near")(*given, out=out, threads=threads)[0]
+        for limit, names, angles in zip(self._max_steering, self.steered, np.moveaxis(found, -1, 0), strict=True):
+            if limit < math.pi / 2 and np.abs(angles).max(initial=0.0) > limit + 1e-9:
+                raise OutOfLimits(
+                    f"{names!r} would have to steer {np.abs(angles).max():.4g} rad; its max_steering is "
+                    f"{limit:.4g} rad: ask for a wider turn"
+                )
+        return found
+
+    @functools.cached_property
+    def _max_steering(self) -> list[float]:
+        limits = [[self.wheels[i].max_steering for i in g] for g in self.layout.groups]
+        return [min((x for x in g if x is not None), default=math.inf) for g in limits]
+
+    def wheel_speeds(
+        self, twist: ArrayLike, steering: ArrayLike | None = None, *, tolerance: float = DRAG,
+        out: Array | None = None, threads: int = 1,
+    ) -> Array:  # fmt: skip
+        """Inverse model: speeds (..., m) of `driven`, rad/s.
+
+        Parameters
+        ----------
+        twist : (..., 3) m/s, rad/s.
+        steering : (..., k) rad; None: the angles that `steering(twist)` gives.
+        tolerance : sideways speed, m/s, at which a wheel counts as dragged.
+
+        Raises
+        ------
+        OutOfLimits
+            The twist would drag a wheel sideways (says which, how fast, in which row; `feasible` gives the nearest that
+            does not) or steer it too far.
+        ShapeError
+        """
+        if not self.steered:
+            self._angles(steering)
+            twists = samples("twist", twist, 3)
+            speeds, dragged = self._apply(twists, self._inverse.T, out), self._worst_drag(twists)
+        else:
+            if steering is None and any(x < math.pi / 2 for x in self._max_steering):
+                steering = self.steering(twist)
+            given = (twist,) if steering is None else (twist, steering)
+            name = "free_wheel_speeds" if steering is None else "wheel_speeds"
+            speeds, dragged = self.equation(name)(*given, out=out, threads=threads)
+        if dragged.max(initial=0.0) > tolerance:
+            self._refuse(twist, steering, dragged)
+        return speeds
+
+    def _worst_drag(self, twists: Array) -> Array:
+        if not self.sliding_names:
+            return np.zeros(1)
+        return np.abs(twists @ self._sideways.T).max(axis=-1, keepdims=True)
+
+    def _refuse(self, twist: ArrayLike, steering: ArrayLike | None, dragged: Array) -> None:
+        row = np.unravel_index(int(dragged[..., 0].argmax()), dragged.shape[:-1])
+        at = self.steering(twist) if steering is None else self._angles(steering)
+        xi = np.broadcast_to(samples("twist", twist, 3), (*dragged.shape[:-1], 3))[row]
+        speed = self.sliding_matrix(np.broadcast_to(at, (*dragged.shape[:-1], at.shape[-1]))[row]) @ xi
+        worst = int(np.abs(speed).argmax())
+        place = f" in row {tuple(int(k) for k in row)}" if row else ""
+        raise OutOfLimits(
+            f"twist ({', '.join(f'{v:.6g}' for v in xi)}){place} would drag wheel {self.sliding_names[worst]!r} "
+            f"sideways at {abs(speed[worst]):.4g} m/s; base.feasible(twist) gives the nearest that drags none"
+        )
+
+    # forward model
+
+    def twist(
+        self, speeds: ArrayLike, steering: ArrayLike | None = None, *, out: Array | None = None, threads: int = 1
+    ) -> Array:
+        """Forward model: twist (..., 3) that fits rolling and sliding constraints best, least squares in m/s.
+
+        Parameters
+        ----------
+        speeds : (..., m) rad/s, in the order of `driven`.
+        steering : (..., k) rad; None: at rest.
+
+        Raises
+        ------
+        InputError
+            The driven speeds do not determine the twist (at this steering).
+        ShapeError
+        """
+        if not self.steered:
+            self._angles(steering)
+            return self._apply(samples("speeds", speeds, len(self.driven)), self._forward.T, out)
+        found, determined = self.equation("twist")(speeds, self._angles(steering), out=out, threads=threads)
+        if determined.min(initial=1.0) < DETERMINED:
+            raise self._undetermined()
+        return found
+
+    def residual(self, speeds: ArrayLike, steering: ArrayLike | None = None) -> Array:
+        """Rim speeds (..., m), m/s, that no twist explains: measured minus those of `twist(speeds, steering)`."""
+        twists = self.twist(speeds, steering)
+        rows = self.rolling_matrix(steering)[..., self._driven_rows, :]
+        rims = samples("speeds", speeds, len(self.driven)) * self.wheel_radii
+        return rims - np.einsum("...ri,...i->...r", rows, twists)
+
+    def sliding(self, twist: ArrayLike, steering: ArrayLike | None = None) -> Array:
+        """Sideways speed (..., rows), m/s, of each wheel in `sliding_names`; `steering` None: at rest."""
+        return np.einsum("...ri,...i->...r", self.sliding_matrix(steering), samples("twist", twist, 3))
+
+    def feasible(self, twist: ArrayLike, steering: ArrayLike | None = None) -> Array:
+        """Nearest twist (..., 3), in (vx, vy, R w), that drags no wheel.
+
+        `steering` (..., k) holds the wheels there; None lets them steer: fixed wheels are obeyed first, then steered
+        ones are turned to what is left, then what shared steering cannot follow is taken away.
+        """
+        twists = samples("twist", twist, 3)
+        if steering is None and self.steered:
+            fixed = [not i for i in self._is_steered]
+            twists = self._projected(twists, self.sliding_matrix()[fixed])
+            steering = self.steering(twists)
+        return self._projected(twists, self.sliding_matrix(steering))
+
+    @functools.cached_property
+    def _is_steered(self) -> list[bool]:
+        steered = {self.wheels[i].name for g in self.layout.groups for i in g}
+        return [n in steered for n in self.sliding_names]
+
+    def _projected(self, twists: Array, C1: Array) -> Array:
+        """The part of twists (..., 3) that rows (..., n, 3) do not see."""
+        if C1.shape[-2] == 0:
+            return twists.copy()
+        flat = [self._projector(rows) for rows in C1.reshape(-1, *C1.shape[-2:])]
+        P = np.array(flat).reshape(*C1.shape[:-2], 3, 3)
+        return np.einsum("...ij,...j->...i", P, twists)
+
+    def _projector(self, C1: Array) -> Array:
+        free = free_twists(self.radius, C1)
+        return free @ (free.T * np.array([1.0, 1.0, self.radius**2]))
+
+    def castor_rates(self, twist: ArrayLike, turned: ArrayLike | None = None) -> CastorRates:
+        """How the castors follow a twist (..., 3): see `castors.castor_rates`."""
+        return castor_rates(self, twist, turned)
+
+    @staticmethod
+    def desaturate(speeds: ArrayLike, max_speed: float) -> Array:
+        """Scale wheel speeds (..., m) down together so that none exceeds `max_speed`: the direction of travel stays.
+
+        Any unit. Source: WPILib `desaturateWheelSpeeds`.
+        """
+        if not max_speed > 0.0:
+            raise OutOfLimits(f"max_speed is {max_speed}; state one above zero")
+        wanted = np.asarray(speeds, dtype=np.float64)
+        samples("speeds", wanted, wanted.shape[-1] if wanted.ndim else 1)
+        return wanted * (max_speed / np.maximum(np.abs(wanted).max(axis=-1, keepdims=True), max_speed))
+
+    # matrices of specification 6.2
+
+    @property
+    def velocity_coupling(self) -> Array:
+        """D (m, 3): rim speeds, m/s, per (vx, vy, R w); rows (-sin phi_i, cos phi_i, 1) of omni wheels.
+
+        Raises
+        ------
+        InputError
+            The base steers, so that D is no constant: `rolling_matrix(steering)`.
+        """
+        if self.steered:
+            raise InputError(
+                f"base {self.name!r} steers ({', '.join(self.steered)}): its coupling is no constant; "
+                "rolling_matrix(steering) holds the rows"
+            )
+        return self.rolling_matrix()[self._driven_rows] * np.array([1.0, 1.0, 1.0 / self.radius])
+
+    @property
+    def force_coupling(self) -> Array:
+        """C_alpha (3, m) = diag(1, 1, 1/alpha) D^T: (ax, ay, R wd) = C_alpha f / mass for rim forces f, N."""
+        return np.array([1.0, 1.0, 1.0 / self.alpha])[:, None] * self.velocity_coupling.T
+
+    @property
+    def velocity_coupling_inverse(self) -> Array:
+        """D^+ (3, m): (vx, vy, R w) = D^+ m for rim speeds m; without the sliding constraints (`twist` obeys those)."""
+        return np.asarray(np.linalg.pinv(self.velocity_coupling, rcond=1e-10), dtype=np.float64)
+
+    @property
+    def force_coupling_inverse(self) -> Array:
+        """C_alpha^+ (m, 3): rim forces f = mass C_alpha^+ (ax, ay, R wd), the smallest that do it."""
+        return np.asarray(np.linalg.pinv(self.force_coupling, rcond=1e-10), dtype=np.float64)
+
+    @functools.cached_property
+    def _inverse(self) -> Array:
+        """Wheel speeds (m, 3) per twist."""
+        return self.rolling_matrix()[self._driven_rows] / self.wheel_radii[:, None]
+
+    @functools.cached_property
+    def _sideways(self) -> Array:
+        """Sliding rows without repetitions: wheels on a common axle share one."""
+        C1 = self.sliding_matrix()
+        return C1[np.sort(np.unique(np.round(C1, 12) + 0.0, axis=0, return_index=True)[1])]
+
+    @functools.cached_property
+    def _forward(self) -> Array:
+        """Twist per wheel speeds (3, m): the columns of the pseudoinverse of all constraints that rolling has."""
+        scale = np.array([1.0, 1.0, 1.0 / self.radius])
+        rows = np.concatenate([self.rolling_matrix()[self._driven_rows], self.sliding_matrix()]) * scale
+        if np.linalg.matrix_rank(rows, tol=1e-7) < 3:
+            raise self._undetermined()
+        return scale[:, None] * np.linalg.pinv(rows)[:, : len(self.driven)] * self.wheel_radii
+
+    def _undetermined(self) -> InputError:
+        return InputError(
+            f"speeds of {', '.join(self.driven)} do not determine the twist of base {self.name!r}"
+            f"{' at this steering' if self.steered else ''}; drive or constrain it with another wheel"
+        )
+
+    @staticmethod
+    def _apply(rows: Array, matrix: Array, out: Array | None) -> Array:
+        return rows @ matrix if out is None or out.dtype != np.float64 else written_product(rows, matrix, out)
+
+
+def written_product(rows: Array, matrix: Array, out: Array) -> Array:
+    """`rows @ matrix` into `out`."""
+    if out.shape != (*rows.shape[:-1], matrix.shape[1]):
+        return written(rows @ matrix, out)
+    np.matmul(rows, matrix, out=out)
+    return out
+
+
+def _named(base: str, wheels: Iterable[Wheel]) -> tuple[Wheel, ...]:
+    given = tuple(wheels)
+    if not given:
+        raise ModelError(f"base {base!r} has no wheels; state at least one")
+    named = tuple(w if w.name else dataclasses.replace(w, name=f"wheel {k + 1}") for k, w in enumerate(given))
+    names = [w.name for w in named]
+    twice = sorted({n for n in names if names.count(n) > 1})
+    if twice:
+        raise ModelError(f"base {base!r} has several wheels called {', '.join(map(repr, twice))}; name each its own")
+    return named
+
+
+def _positive(base: str, what: str, value: float) -> float:
+    if not (math.isfinite(value) and value > 0.0):
+        raise ModelError(f"base {base!r} has {what} {value}; a number above zero is needed")
+    return float(value)
+
+
+def _groups(
+    base: str, wheels: Sequence[Wheel], stated: Mapping[str, Sequence[str]]
+) -> dict[str, tuple[int, ...]]:  # fmt: skip
+    """Members of each steering angle by its name: stated groups at the place of their first wheel."""
+    place = {w.name: i for i, w in enumerate(wheels)}
+    owner: dict[int, str] = {}
+    for group, members in stated.items():
+        for member in members:
+            if member not in place:
+                raise UnknownName("wheel", member, place)
+            if wheels[place[member]].kind != "steered" or place[member] in owner:
+                raise ModelError(
+                    f"base {base!r}: group {group!r} has {member!r}, which is not steered or in another group"
+                )
+            owner[place[member]] = group
+    groups: dict[str, tuple[int, ...]] = {}
+    for i, wheel in enumerate(wheels):
+        if wheel.kind == "steered":
+            key = owner.get(i, wheel.name)
+            groups[key] = (*groups.get(key, ()), i)
+    return groups

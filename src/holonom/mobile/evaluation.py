@@ -1,0 +1,96 @@
+"""How a base evaluates its equations: a few samples as NumPy arrays, batches by a compiled kernel."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from holonom.errors import ShapeError
+from holonom.trace import Kernel, compile
+from holonom.trace.arrays import ArrayEquation, on_arrays
+
+__all__ = ["BaseEquation", "samples", "written"]
+
+Array = NDArray[np.float64]
+COMPILE_FROM = 512
+"""Samples in a call from which a kernel is compiled: a base that is asked a few times costs no compilation."""
+
+
+def samples(name: str, value: ArrayLike, width: int) -> Array:
+    """Return `value` as a float array (..., width) of finite numbers.
+
+    Raises
+    ------
+    ShapeError
+        The wrong last axis, no numbers, NaN or infinity: says where.
+    """
+    try:
+        array = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as problem:
+        raise ShapeError(f"{name} holds something that is not a number: {problem}") from None
+    if array.ndim == 0 or array.shape[-1] != width:
+        raise ShapeError(f"{name} has shape {array.shape}; (..., {width}) is needed")
+    if not np.isfinite(array).all():
+        *row, slot = (int(k) for k in np.argwhere(~np.isfinite(array))[0])
+        place = f" in row {tuple(row)}" if row else ""
+        raise ShapeError(f"{name}[{slot}] is {array[(*row, slot)]}{place}; finite numbers are needed")
+    return array
+
+
+def written(result: Array, out: Array | None) -> Array:
+    """Return the result, in `out` where that is given."""
+    if out is None:
+        return result
+    if not isinstance(out, np.ndarray) or out.shape != result.shape or out.dtype != np.float64:
+        came = f"{out.dtype} {out.shape}" if isinstance(out, np.ndarray) else type(out).__name__
+        raise ShapeError(f"out= must be a float64 array of shape {result.shape}; {came} came")
+    out[...] = result
+    return out
+
+
+class BaseEquation:
+    """An equation over samples; inputs and outputs are name -> numbers per sample."""
+
+    def __init__(
+        self, equation: Callable[..., Sequence[Any]], inputs: Mapping[str, int], outputs: Mapping[str, int], name: str
+    ) -> None:
+        self.equation, self.inputs, self.outputs, self.name = equation, dict(inputs), dict(outputs), name
+
+    @functools.cached_property
+    def kernel(self) -> Kernel:
+        """The compiled form."""
+        only = len(self.outputs) == 1
+        take = (lambda *a: self.equation(*a)[0]) if only else self.equation
+        return compile(take, self.inputs, self.outputs, name=self.name)
+
+    @functools.cached_property
+    def _arrays(self) -> ArrayEquation:
+        return on_arrays(lambda *a: [x for output in self.equation(*a) for x in output], self.inputs)
+
+    def __call__(self, *arrays: ArrayLike, out: Array | None = None, threads: int = 1) -> tuple[Array, ...]:
+        """Evaluate; `out` takes the first output."""
+        size = max((np.size(a) // max(w, 1) for a, w in zip(arrays, self.inputs.values(), strict=True)), default=0)
+        if size >= COMPILE_FROM:
+            return self._batch(arrays, out, threads)
+        given = [samples(n, a, w) for (n, w), a in zip(self.inputs.items(), arrays, strict=True)]
+        try:
+            lead = np.broadcast_shapes(*(a.shape[:-1] for a in given))
+        except ValueError:
+            named = ", ".join(f"{n} {a.shape}" for n, a in zip(self.inputs, given, strict=True))
+            raise ShapeError(f"leading axes do not go together: {named}") from None
+        rows = [np.broadcast_to(a, (*lead, a.shape[-1])).reshape(-1, a.shape[-1]) for a in given]
+        edges = np.cumsum(list(self.outputs.values()))
+        found = [p.reshape(*lead, p.shape[-1]) for p in np.split(self._arrays(*rows), edges[:-1], axis=1)]
+        return (written(found[0], out), *found[1:])
+
+    def _batch(self, arrays: Sequence[ArrayLike], out: Array | None, threads: int) -> tuple[Array, ...]:
+        if len(self.outputs) == 1:
+            return (self.kernel(*arrays, out=out, threads=threads),)
+        if out is None:
+            return self.kernel(*arrays, threads=threads)
+        rest = [np.empty((*out.shape[:-1], width)) for width in list(self.outputs.values())[1:]]
+        return self.kernel(*arrays, out=(out, *rest), threads=threads)

@@ -1,0 +1,182 @@
+"""One wheel of a base, and the table of kinds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from holonom.errors import ModelError, UnknownName
+from holonom.mobile.equations.wheels import Row, rolling_row, sliding_row, spin_row, swedish_row
+from holonom.trace import Number
+
+__all__ = ["KINDS", "Kind", "Wheel"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wheel:
+    """A wheel in the polar parametrisation of Siegwart & Nourbakhsh 3.2.3; `Wheel.at` takes a place and a heading.
+
+    Parameters
+    ----------
+    kind
+        "fixed", "steered", "castor", "swedish" or "spherical": a name of `KINDS`.
+    l, alpha
+        Distance (m) and direction (rad) of the wheel from the origin of base_link; of a castor, of its pivot.
+    beta
+        Angle of the axle against that direction, rad. The axle points along alpha + beta, to the left of the wheel; it
+        rolls along u = (sin(alpha+beta), -cos(alpha+beta)). Of a steered wheel and a castor, the angle at rest.
+    radius
+        Wheel radius r, m.
+    roller_angle
+        Of a Swedish wheel, gamma: 0 for an omni wheel, +-pi/4 for a mecanum wheel; not +-pi/2.
+    castor_offset
+        Of a castor, d: the floor is touched at pivot + d u. It trails a base that moves along -u where d > 0.
+    driven
+        Whether a motor turns it (for a driven sphere: three, see `KINDS`).
+    max_steering
+        Of a steered wheel, how far it turns to either side of beta, rad, at most pi/2; None: all around.
+    name
+        What errors and figures call it; `WheelBase` numbers the nameless.
+
+    Raises
+    ------
+    ModelError
+        A number that is none, radius not above zero, a roller that lies along the wheel, a castor without offset.
+    UnknownName
+        No such kind.
+    """
+
+    kind: str
+    l: float
+    alpha: float
+    beta: float
+    radius: float
+    roller_angle: float = 0.0
+    castor_offset: float = 0.0
+    driven: bool = False
+    max_steering: float | None = None
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise UnknownName("kind of wheel", str(self.kind), KINDS)
+        called = f"wheel {self.name!r}" if self.name else f"a {self.kind} wheel"
+        for field in ("l", "alpha", "beta", "radius", "roller_angle", "castor_offset"):
+            _finite(called, field, getattr(self, field))
+        if self.radius <= 0.0:
+            raise ModelError(f"{called} has radius {self.radius} m; state one above zero")
+        if self.l < 0.0:
+            raise ModelError(
+                f"{called} stands at distance l = {self.l} m; state one that is not below zero, turn alpha"
+            )
+        self._check_kind(called)
+
+    def _check_kind(self, called: str) -> None:
+        if self.kind == "swedish" and abs(math.cos(self.roller_angle)) < 1e-3:
+            raise ModelError(
+                f"{called} has rollers at {math.degrees(self.roller_angle):.6g} deg, whose axles lie across the wheel: "
+                "its motor moves nothing; omni wheels have 0, mecanum wheels +-45 deg"
+            )
+        if self.kind == "castor" and self.castor_offset == 0.0:
+            raise ModelError(f"{called} has castor_offset 0; state its trail in m, or make it a steered wheel")
+        if self.kind == "castor" and self.driven:
+            raise ModelError(
+                f"{called} is a castor and driven; castors roll freely here: drive a steered wheel instead"
+            )
+        _only(called, self.kind, "swedish", "roller_angle", self.roller_angle != 0.0)
+        _only(called, self.kind, "castor", "castor_offset", self.castor_offset != 0.0)
+        _only(called, self.kind, "steered", "max_steering", self.max_steering is not None)
+        if self.max_steering is not None and not 0.0 < self.max_steering <= math.pi / 2 + 1e-12:
+            raise ModelError(f"{called} has max_steering {self.max_steering}; allowed is 0 to pi/2 rad, or None")
+
+    @classmethod
+    def at(
+        cls, kind: str, x: float, y: float, heading: float = 0.0, *, radius: float, roller_angle: float = 0.0,
+        castor_offset: float = 0.0, driven: bool = False, max_steering: float | None = None, name: str = "",
+    ) -> Wheel:  # fmt: skip
+        """Return a wheel at (x, y), m, that rolls along `heading`, rad from x, counter-clockwise (psi).
+
+        beta = psi + pi/2 - alpha; the rest as in the class.
+        """
+        called = f"wheel {name!r}" if name else f"a {kind} wheel"
+        for field, value in (("x", x), ("y", y), ("heading", heading)):
+            _finite(called, field, value)
+        l, alpha = math.hypot(x, y), math.atan2(y, x)
+        return cls(
+            kind=kind, l=l, alpha=alpha, beta=heading + math.pi / 2 - alpha, radius=radius, roller_angle=roller_angle,
+            castor_offset=castor_offset, driven=driven, max_steering=max_steering, name=name,
+        )  # fmt: skip
+
+    @property
+    def x(self) -> float:
+        """Place forwards of the origin of base_link, m."""
+        return self.l * math.cos(self.alpha)
+
+    @property
+    def y(self) -> float:
+        """Place to the left of the origin of base_link, m."""
+        return self.l * math.sin(self.alpha)
+
+    @property
+    def axle(self) -> float:
+        """Direction of the axle, alpha + beta, rad; to the left of the wheel."""
+        return self.alpha + self.beta
+
+    @property
+    def heading(self) -> float:
+        """Direction in which it rolls, psi = alpha + beta - pi/2, rad (of a steered wheel at rest)."""
+        return self.axle - math.pi / 2
+
+
+class Kind(NamedTuple):
+    """What a kind of wheel contributes: its rows for the sine and cosine of alpha + beta, one speed per rolling row.
+
+    `speeds` holds what is added to the wheel's name for each of its rolling rows.
+    """
+
+    rolling: Callable[[Wheel, Number, Number], list[Row]]
+    sliding: Callable[[Wheel, Number, Number], list[Row]]
+    speeds: Callable[[Wheel], tuple[str, ...]]
+
+
+def _finite(called: str, field: str, value: object) -> None:
+    if not isinstance(value, (int, float)) or not math.isfinite(value):
+        raise ModelError(f"{called} has {field} = {value}; a finite number is needed")
+
+
+def _only(called: str, kind: str, allowed: str, field: str, stated: bool) -> None:
+    if stated and kind != allowed:
+        raise ModelError(f"{called} is {kind} and states {field}; only {allowed} wheels have one")
+
+
+def _roll(wheel: Wheel, s: Number, c: Number) -> list[Row]:
+    return [rolling_row(wheel.x, wheel.y, s, c)]
+
+
+def _slide(wheel: Wheel, s: Number, c: Number) -> list[Row]:
+    return [sliding_row(wheel.x, wheel.y, s, c)]
+
+
+def _none(wheel: Wheel, s: Number, c: Number) -> list[Row]:
+    return []
+
+
+def _swedish(wheel: Wheel, s: Number, c: Number) -> list[Row]:
+    return [swedish_row(wheel.x, wheel.y, wheel.axle, wheel.roller_angle)]
+
+
+def _sphere(wheel: Wheel, s: Number, c: Number) -> list[Row]:
+    """A driven ball rolls along its heading, along its axle, and is spun about the vertical."""
+    return [*_roll(wheel, s, c), *_slide(wheel, s, c), spin_row(wheel.radius)] if wheel.driven else []
+
+
+KINDS: Mapping[str, Kind] = {
+    "fixed": Kind(_roll, _slide, lambda wheel: ("",)),
+    "steered": Kind(_roll, _slide, lambda wheel: ("",)),
+    "castor": Kind(_none, _none, lambda wheel: ()),
+    "swedish": Kind(_swedish, _none, lambda wheel: ("",)),
+    "spherical": Kind(_sphere, _none, lambda wheel: (" along", " across", " spin") if wheel.driven else ()),
+}
+"""A kind of wheel is its rows and one line here. A castor and a passive sphere follow any twist."""
