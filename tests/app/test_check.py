@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from cells import EXAMPLE, CellCopy
 
-from holonom.app.assembly import build_arm
+from holonom.app.arm.assembly import build_arm
+from holonom.app.arm.check import rehearse
+from holonom.app.arm.job import load_job
+from holonom.app.arm.taught import taught_problems
 from holonom.app.cell import load_cell
-from holonom.app.check import rehearse
 from holonom.app.cli import main
-from holonom.app.job import load_job
-from holonom.app.taught import taught_problems
 from holonom.lang import load_program
 
 CELL = load_cell(EXAMPLE / "cell.toml")
@@ -42,14 +42,15 @@ def test_a_good_cell(cell: CellCopy) -> None:
 @pytest.mark.parametrize("name", ["01_sort_coins", "02_straight_lines"])
 def test_the_estimate_is_a_little_above_the_simulated_time(name: str, example_run: Callable[[str], Path]) -> None:
     """Without blending it must be longer; joints and lines are planned alike."""
-    machine, failures = rehearse(load_job(EXAMPLE.parent / name / "cell.toml"))
+    path = EXAMPLE.parent / name / "cell.toml"
+    machine, failures = rehearse(load_job(load_cell(path), path))
     assert failures == []
     simulated = json.loads((example_run(name) / "summary.json").read_text("utf-8"))["simulated_time_s"]
     assert simulated < machine.time() < 1.4 * simulated
 
 
 def test_the_rehearsal_ends_where_the_program_ends() -> None:
-    machine, _ = rehearse(load_job(EXAMPLE / "cell.toml"))
+    machine, _ = rehearse(load_job(CELL, EXAMPLE / "cell.toml"))
     np.testing.assert_allclose(machine.joints(), CELL.arm.home, atol=1e-12)
     assert machine.said[-3:] == ["small: 18", "medium: 2", "large: 4"]
 

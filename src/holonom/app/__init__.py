@@ -2,9 +2,9 @@
 
 =====================  ==============================================================
 `cli`                  the command line
-`cell`, `cell_model`   cell files and their schema
-`camera`, `assembly`   from a cell's data to camera, arm, plant, world, scene
-`run`, `check`         the commands; `bench` and `doctor` too
+`cell`                 cell files and their schema
+`arm`, `base`          cells of an arm and of a mobile base: tables, assembly, run, check
+`run`, `check`         the commands; `calibrate`, `bench` and `doctor` too
 `recording`            MCAP files of ROS 2 messages, written and read
 `report`               the self-contained HTML report
 =====================  ==============================================================

@@ -8,15 +8,18 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError
 from pydantic_core import ErrorDetails
 
-from holonom.app.cell_model import Cell
+from holonom.app.arm.cell_model import ArmCell
+from holonom.app.base.cell_model import BaseCell
 from holonom.app.toml_lines import KeyPath, key_lines
 from holonom.errors import CellError, UnknownName
 
-__all__ = ["Cell", "cell_schema", "load_cell"]
+__all__ = ["ArmCell", "BaseCell", "cell_schema", "load_cell"]
 
+KINDS: dict[str, type[ArmCell] | type[BaseCell]] = {"arm": ArmCell, "base": BaseCell}
+"""What a cell is of, by the table that every cell file has one of."""
 
 _EXPECTED = {
     "int_type": "a whole number is expected",
@@ -28,7 +31,7 @@ _EXPECTED = {
 }
 
 
-def load_cell(path: str | Path) -> Cell:
+def load_cell(path: str | Path) -> ArmCell | BaseCell:
     """Read and check a cell file.
 
     Parameters
@@ -46,16 +49,25 @@ def load_cell(path: str | Path) -> Cell:
     """
     path = Path(path)
     text = _read(path)
+    data = _parse(path, text)
+    model = _kind(path, data)
     try:
-        return Cell.model_validate(_parse(path, text), context={"folder": path.parent})
+        return model.model_validate(data, context={"folder": path.parent})
     except ValidationError as error:
-        raise CellError(_faults(path, text, error.errors(include_url=False))) from None
+        raise CellError(_faults(path, text, model, error.errors(include_url=False))) from None
 
 
 def cell_schema() -> dict[str, Any]:
     """Return the JSON Schema (2020-12) of cell files; `holonom doctor --schema` prints it."""
-    schema = Cell.model_json_schema()
+    schema = TypeAdapter(ArmCell | BaseCell).json_schema()
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "Holonom cell file"}
+
+
+def _kind(path: Path, data: Mapping[str, Any]) -> type[ArmCell] | type[BaseCell]:
+    named = [name for name in KINDS if name in data]
+    if len(named) == 2:
+        raise CellError(f"{path}:1: tables [arm] and [base] came; a cell has one of them, give the other its own file")
+    return KINDS[named[0]] if named else ArmCell
 
 
 def _read(path: Path) -> str:
@@ -81,10 +93,10 @@ def _parse(path: Path, text: str) -> dict[str, Any]:
         ) from None
 
 
-def _faults(path: Path, text: str, faults: Sequence[ErrorDetails]) -> str:
+def _faults(path: Path, text: str, model: type[BaseModel], faults: Sequence[ErrorDetails]) -> str:
     lines = key_lines(text)
     told = [fault for fault in faults if not _follows(fault, faults)]
-    located = sorted((_line(fault["loc"], lines), _key(fault["loc"]), _explain(fault)) for fault in told)
+    located = sorted((_line(fault["loc"], lines), _key(fault["loc"]), _explain(model, fault)) for fault in told)
     return "\n".join(f"{path}:{line}: {key}: {explanation}" for line, key, explanation in located)
 
 
@@ -106,43 +118,40 @@ def _key(loc: KeyPath) -> str:
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in loc).removeprefix(".")
 
 
-def _explain(fault: ErrorDetails) -> str:
+def _explain(model: type[BaseModel], fault: ErrorDetails) -> str:
     """Say what came, what is expected and what to do."""
     context, came = fault.get("ctx", {}), fault["input"]
     match fault["type"]:
         case "value_error":
             return str(context["error"])
         case "extra_forbidden":
-            return str(UnknownName("key", str(fault["loc"][-1]), _allowed_keys(fault["loc"][:-1])))
+            return str(
+                UnknownName("key", str(fault["loc"][-1]), list(_model_at(model, fault["loc"][:-1]).model_fields))
+            )
         case "missing":
-            return f"missing; expected: {_description(fault['loc'])}"
+            return f"missing; expected: {_description(model, fault['loc'])}"
         case "literal_error":
             return str(UnknownName("setting", str(came), re.findall(r"'(.*?)'", context["expected"])))
         case "too_short":
             came, least = context["actual_length"], context["min_length"]
-            return f"{came} came; at least {least} are needed: {_description(fault['loc'])}"
+            return f"{came} came; at least {least} are needed: {_description(model, fault['loc'])}"
         case "too_long":
             came, most = context["actual_length"], context["max_length"]
-            return f"{came} came; {most} are allowed: {_description(fault['loc'])}"
+            return f"{came} came; {most} are allowed: {_description(model, fault['loc'])}"
         case kind:
             expected = _EXPECTED.get(kind) or fault["msg"].replace("Input", "it", 1)
-            return f"{came!r} came; {expected}: {_description(fault['loc'])}"
+            return f"{came!r} came; {expected}: {_description(model, fault['loc'])}"
 
 
-def _allowed_keys(loc: KeyPath) -> list[str]:
-    return list(_model_at(loc).model_fields)
-
-
-def _description(loc: KeyPath) -> str:
+def _description(model: type[BaseModel], loc: KeyPath) -> str:
     """What the schema says about the innermost key of a path."""
     keys = [number for number, part in enumerate(loc) if isinstance(part, str)]
-    field = _model_at(loc[: keys[-1]]).model_fields[str(loc[keys[-1]])]
+    field = _model_at(model, loc[: keys[-1]]).model_fields[str(loc[keys[-1]])]
     return field.description or ""
 
 
-def _model_at(loc: KeyPath) -> type[BaseModel]:
+def _model_at(model: type[BaseModel], loc: KeyPath) -> type[BaseModel]:
     """The model of the table that a path leads to."""
-    model: type[BaseModel] = Cell
     for part in loc:
         if isinstance(part, str):
             model = _model_in(model.model_fields[part].annotation) or model

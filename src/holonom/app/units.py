@@ -27,6 +27,12 @@ DIMENSIONS: Mapping[str, Mapping[str, float]] = {
     "acceleration": {"mm/s2": 1e-3, "cm/s2": 1e-2, "m/s2": 1.0},
     "angular speed": {"deg/s": DEGREE, "rad/s": 1.0, "rpm": 2 * math.pi / 60},
     "angular acceleration": {"deg/s2": DEGREE, "rad/s2": 1.0},
+    "voltage": {"V": 1.0, "mV": 1e-3},
+    "current": {"A": 1.0, "mA": 1e-3},
+    "resistance": {"ohm": 1.0, "mohm": 1e-3},
+    "inductance": {"mH": 1e-3, "uH": 1e-6, "H": 1.0},
+    "torque constant": {"mNm/A": 1e-3, "Nm/A": 1.0},
+    "inertia": {"gcm2": 1e-7, "kgm2": 1.0},
     "number": {"": 1.0},
 }
 """For each dimension the units that it may be written in, the usual one first, and what one of them is in SI."""

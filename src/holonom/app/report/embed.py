@@ -92,6 +92,7 @@ def scene_json(scene: Scene) -> dict[str, object]:
         "views": [asdict(view) for view in scene.views],
         "tool": scene.tool,
         "trail": scene.trail,
+        "extent": scene.extent,
         "rate": REPLAY_RATE,
     }
 

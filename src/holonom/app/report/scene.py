@@ -92,12 +92,15 @@ class Scene:
         The frame whose path is drawn.
     trail
         How many seconds of its path stay visible.
+    extent
+        Half the width of the lit room about the world's origin, m.
     """
 
     shapes: tuple[Shape, ...]
     views: tuple[View, ...] = (View("Overview", (1.45, -0.95, 1.1), (0.27, 0.0, 0.43)),)
     tool: str = "tool"
     trail: float = 2.0
+    extent: float = 1.1
 
     def frames(self) -> tuple[str, ...]:
         """Names of the frames that the replay needs from the recording, each once."""

@@ -147,7 +147,7 @@ class Stage {
     this.orbit.addEventListener("change", () => this.draw());
     this.orbit.maxPolarAngle = 0.49 * Math.PI;
     this.orbit.minDistance = 0.15;
-    this.orbit.maxDistance = 6;
+    this.orbit.maxDistance = 5.5 * data.scene.extent;
     this.tracks = new Map();
     this.discs = [];
     this.light();
@@ -161,13 +161,14 @@ class Stage {
   light() {
     this.scene.add(new vendor.HemisphereLight("#ffffff", "#c9d2dd", 2.4));
     const sun = new vendor.DirectionalLight("#fff7ea", 2.2);
-    sun.position.set(2.0, -1.2, 2.6);
+    const reach = data.scene.extent;
+    sun.position.set(0.3 + 1.7 * reach, -1.2 * reach, 0.3 + 2.3 * reach);
     sun.target.position.set(0.3, 0, 0.3);
     sun.castShadow = true;
     sun.shadow.mapSize.set(2048, 2048);
     sun.shadow.bias = -0.0004;
     sun.shadow.normalBias = 0.004;
-    Object.assign(sun.shadow.camera, { left: -1.1, right: 1.1, top: 1.1, bottom: -1.1, near: 0.5, far: 6 });
+    Object.assign(sun.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.4, far: 5.5 * reach });
     this.scene.add(sun, sun.target);
     const floor = new vendor.Mesh(
       new vendor.PlaneGeometry(12, 12), new vendor.ShadowMaterial({ opacity: 0.16 }));

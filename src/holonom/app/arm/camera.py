@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from holonom.app.cell_model import Camera, Cell, Parts, Placement
+from holonom.app.arm.cell_model import ArmCell, Camera, Parts
+from holonom.app.cell_tables import Placement
 from holonom.app.toml_lines import place_of
 from holonom.errors import CalibrationError, CellError, ImageError
 from holonom.lang import Part
@@ -61,7 +62,7 @@ def placement_pose(placement: Placement) -> Array:
     return pose(placement.position, Rotation.from_euler("z", placement.angle).as_matrix())
 
 
-def look(cell: Cell, path: Path) -> Seen:
+def look(cell: ArmCell, path: Path) -> Seen:
     """Find the parts in the cell's photograph.
 
     Raises
@@ -99,7 +100,7 @@ def calibrate(camera: Camera, path: Path) -> TableCamera:
         raise CellError(f"{place_of(path, 'camera', 'points')}: {problem}") from problem
 
 
-def _for_program(cell: Cell, parts: Parts, measured: tuple[TablePart, ...]) -> tuple[Part, ...]:
+def _for_program(cell: ArmCell, parts: Parts, measured: tuple[TablePart, ...]) -> tuple[Part, ...]:
     """Tool poses that grasp the parts (tool z down, fingers closing along tool y) and their features."""
     T_w_table = placement_pose(cell.table.pose)
     centres = np.array([[part.x, part.y] for part in measured]).reshape(-1, 2)

@@ -1,4 +1,4 @@
-"""What a cell file may say: one model per TOML table, every value in SI once it is read.
+"""What the cell file of an arm may say: one model per TOML table, every value in SI once it is read.
 
 The models are the schema: their field docstrings become the descriptions of the JSON Schema and of error messages.
 """
@@ -21,22 +21,20 @@ from holonom.app.cell_fields import (
     Size,
     Text,
     Vector2,
-    Vector3,
 )
+from holonom.app.cell_tables import About, Placement
 from holonom.app.units import DIMENSIONS
 from holonom.errors import CellError, OutOfLimits
 from holonom.model import preset
 
 __all__ = [
-    "About",
+    "ArmCell",
     "ArmTable",
     "Calibration",
     "Camera",
-    "Cell",
     "Gripper",
     "Limits",
     "Parts",
-    "Placement",
     "ProgramTable",
     "Table",
     "Tray",
@@ -49,28 +47,6 @@ _DEGREE = DIMENSIONS["angle"]["deg"]
 
 def _known_preset(name: str) -> str:
     return preset(name).name
-
-
-class About(Section):
-    """The cell as a whole."""
-
-    name: Text
-    """what the cell is called"""
-    description: str = ""
-    """one sentence for the report"""
-    seed: Annotated[int, Strict(), Field(ge=0, lt=2**63)] = 0
-    """seed of everything random; the same seed gives the same recording"""
-    time_limit: Annotated[float, Quantity("time", "1ms", "1440min")]
-    """simulated time after which the run stops"""
-
-
-class Placement(Section):
-    """Where something stands in the world: turned by `angle` about the vertical, then moved."""
-
-    position: Vector3
-    """x, y and z of its origin in the world"""
-    angle: Angle
-    """turn about the world's z axis"""
 
 
 def _origin() -> Placement:
@@ -262,8 +238,8 @@ class Limits(Section):
     """joint tracking error at which the run stops"""
 
 
-class Cell(Section):
-    """A whole cell file. Lengths in m, angles in rad, times in s, masses in kg; files are paths that exist."""
+class ArmCell(Section):
+    """The cell file of an arm. Lengths in m, angles in rad, times in s, masses in kg; files are paths that exist."""
 
     cell: About
     """the cell as a whole"""

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.app.camera import Seen, pixel_axes, placement_pose
-from holonom.app.cell_model import Cell, Tray, TrayField
+from holonom.app.arm.camera import Seen, pixel_axes, placement_pose
+from holonom.app.arm.cell_model import ArmCell, Tray, TrayField
 from holonom.app.report import Box, Detection, Label, PhotoOverlay, Scene, View, arm_shapes, gripper_shapes
 from holonom.app.report import Disc as DiscShape
 from holonom.mechanics import Arm, load_arm
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 WOOD, LEG, TRAY, BRONZE, OTHER = "#d8c3a5", "#8d99ae", "#f1f5f9", "#b08d57", "#94a3b8"
 
 
-def build_arm(cell: Cell) -> Arm:
+def build_arm(cell: ArmCell) -> Arm:
     """The preset on its base, with the gripper's mass and its tool point between the fingertips."""
     length, mass = cell.gripper.length, cell.gripper.mass
     width = cell.gripper.opening + 2 * cell.gripper.finger[1]
@@ -34,13 +34,13 @@ def build_arm(cell: Cell) -> Arm:
     return arm.with_limits(speed=cell.limits.joint_speed, acceleration=cell.limits.joint_acceleration)
 
 
-def build_plant(cell: Cell, arm: Arm, controller: str) -> Plant:
+def build_plant(cell: ArmCell, arm: Arm, controller: str) -> Plant:
     """The arm with its drives, standing at the cell's home joints above the table."""
     settings = ControlSettings(controller, following_error=cell.limits.following_error)
     return Plant(arm, np.array(cell.arm.home), settings, Ground(height=cell.table.pose.position[2]))
 
 
-def line_settings(cell: Cell) -> LineSettings:
+def line_settings(cell: ArmCell) -> LineSettings:
     """What 100 % means on straight lines."""
     limits = cell.limits
     return LineSettings(
@@ -48,7 +48,7 @@ def line_settings(cell: Cell) -> LineSettings:
     )
 
 
-def build_world(cell: Cell, seen: Seen | None) -> World:
+def build_world(cell: ArmCell, seen: Seen | None) -> World:
     """Table, tray, gripper and the parts where they truly lie."""
     T_table = placement_pose(cell.table.pose)
     surfaces = [_surface("table", T_table, (0.0, 0.0), cell.table.size, 0.0)]
@@ -64,7 +64,7 @@ def _surface(name: str, T_table: Array, corner: tuple[float, float], size: tuple
     return Surface(name, T_table @ centre, size)
 
 
-def _discs(cell: Cell, seen: Seen | None, T_table: Array) -> list[Disc]:
+def _discs(cell: ArmCell, seen: Seen | None, T_table: Array) -> list[Disc]:
     parts = cell.parts
     if parts is None or seen is None:
         return []
@@ -76,7 +76,7 @@ def _discs(cell: Cell, seen: Seen | None, T_table: Array) -> list[Disc]:
     return discs
 
 
-def field_of(cell: Cell, disc: Disc) -> str | None:
+def field_of(cell: ArmCell, disc: Disc) -> str | None:
     """Name of the tray field in which a disc's centre lies, None outside all of them."""
     if cell.tray is None:
         return None
@@ -93,7 +93,7 @@ def _field_size(field: TrayField) -> tuple[float, float]:
     return field.columns * field.pitch, field.rows * field.pitch
 
 
-def group_of(cell: Cell, diameter: float) -> str:
+def group_of(cell: ArmCell, diameter: float) -> str:
     """Name of the field whose size range holds a diameter (m), "other" if none does."""
     for field in cell.tray.fields if cell.tray is not None else ():
         if field.min_diameter <= diameter < field.max_diameter:
@@ -101,13 +101,13 @@ def group_of(cell: Cell, diameter: float) -> str:
     return "other"
 
 
-def groups(cell: Cell) -> Mapping[str, str]:
+def groups(cell: ArmCell) -> Mapping[str, str]:
     """Colour of each group of parts."""
     fields = {field.name: field.colour for field in cell.tray.fields} if cell.tray is not None else {}
     return fields | {"other": OTHER}
 
 
-def build_scene(cell: Cell, seen: Seen | None, world: World) -> Scene:
+def build_scene(cell: ArmCell, seen: Seen | None, world: World) -> Scene:
     """What the report's replay draws."""
     T_table = placement_pose(cell.table.pose)
     shapes = [*arm_shapes(cell.arm.preset), *gripper_shapes(length=cell.gripper.length, finger=_finger(cell))]
@@ -121,12 +121,12 @@ def build_scene(cell: Cell, seen: Seen | None, world: World) -> Scene:
     return Scene(tuple(shapes), _views(cell, T_table))
 
 
-def _finger(cell: Cell) -> tuple[float, float, float]:
+def _finger(cell: ArmCell) -> tuple[float, float, float]:
     width, thickness, length = cell.gripper.finger
     return width, thickness, length
 
 
-def _table_shapes(cell: Cell, T_table: Array) -> list[Box]:
+def _table_shapes(cell: ArmCell, T_table: Array) -> list[Box]:
     (width, depth), height, top = cell.table.size, cell.table.pose.position[2], 0.03
     boxes = [Box("world", T_table @ pose((width / 2, depth / 2, -top / 2)), (width, depth, top), WOOD)]
     if height > 2 * top:
@@ -150,7 +150,7 @@ def _tray_shapes(tray: Tray, T_table: Array) -> list[Box | Label]:
     return shapes
 
 
-def _views(cell: Cell, T_table: Array) -> tuple[View, ...]:
+def _views(cell: ArmCell, T_table: Array) -> tuple[View, ...]:
     width, depth = cell.table.size
     middle = (T_table @ np.array([width / 2, depth / 2, 0.0, 1.0]))[:3]
     x, y, z = (float(v) for v in middle)
@@ -161,7 +161,7 @@ def _views(cell: Cell, T_table: Array) -> tuple[View, ...]:
     )
 
 
-def overlay(cell: Cell, seen: Seen, world: World) -> PhotoOverlay:
+def overlay(cell: ArmCell, seen: Seen, world: World) -> PhotoOverlay:
     """The photograph with what was found in it."""
     assert cell.camera is not None
     detections = tuple(
@@ -175,7 +175,7 @@ def overlay(cell: Cell, seen: Seen, world: World) -> PhotoOverlay:
     return PhotoOverlay(seen.png, *seen.size, detections, groups(cell), caption)
 
 
-def _frame_at(cell: Cell, world: World, x: float, y: float) -> str:
+def _frame_at(cell: ArmCell, world: World, x: float, y: float) -> str:
     """Frame of the simulated part nearest to a table point; empty when there is none."""
     T = placement_pose(cell.table.pose)
     at = (T @ np.array([x, y, 0.0, 1.0]))[:2]

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from holonom.app.assembly import build_arm
-from holonom.app.camera import Seen, look
-from holonom.app.cell import load_cell
-from holonom.app.cell_model import Cell
-from holonom.app.taught import taught_problems
+from holonom.app.arm.assembly import build_arm
+from holonom.app.arm.camera import Seen, look
+from holonom.app.arm.cell_model import ArmCell
+from holonom.app.arm.taught import taught_problems
 from holonom.app.toml_lines import place_of
 from holonom.errors import CellError, ModelError, ProgramFault
 from holonom.lang import Program, load_program, start
@@ -23,26 +22,25 @@ __all__ = ["Job", "load_job"]
 class Job:
     """A cell, read and looked at. `unreachable`: taught locations that the arm cannot go to, a line of text each."""
 
-    cell: Cell
+    cell: ArmCell
     program: Program
     seen: Seen | None
     arm: Arm
     unreachable: tuple[str, ...]
 
 
-def load_job(path: Path) -> Job:
-    """Read a cell with all that it names. Nothing is written.
+def load_job(cell: ArmCell, path: Path) -> Job:
+    """Read all that a cell, the file `path`, names. Nothing is written.
 
     Raises
     ------
     CellError
-        The cell file, its calibration points or its entry.
+        The cell's calibration points, its entry or its drives.
     ImageError
         The photograph is missing or not an image.
     ProgramError
         The program or its location file.
     """
-    cell = load_cell(path)
     seen = look(cell, path) if cell.camera is not None else None
     file = cell.program.file
     places = cell.program.locations or file.with_suffix(".loc")
