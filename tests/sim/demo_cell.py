@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from holonom.app.assembly import build_arm, line_settings
+from holonom.app.arm.assembly import build_arm, line_settings
 from holonom.app.cell import load_cell
 from holonom.lang import Configuration, Motion, Part, Program, Status, start, step
 from holonom.sim import (
