@@ -8,12 +8,14 @@ take and give (vx, vy, w) in m/s and rad/s.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import ModelError, OutOfLimits, ShapeError
+from holonom.mobile.base import WheelBase
 
 __all__ = [
     "Coupling",
@@ -21,6 +23,7 @@ __all__ = [
     "base_force",
     "base_twist",
     "coupling_of",
+    "live_wheels",
     "omni_coupling",
     "rim_speeds",
     "wheel_forces",
@@ -107,19 +110,25 @@ def omni_coupling(
     return Coupling(np.column_stack([-np.sin(phi), np.cos(phi), arm / radius]), radius, alpha)
 
 
-def coupling_of(base: Coupling | ArrayLike) -> Coupling:
-    """Coupling of a base; an array is D (n, 3) of a base with R = 1 m and alpha = 1.
+def coupling_of(base: WheelBase | Coupling | ArrayLike) -> Coupling:
+    """Coupling of the driven wheels of a base; an array is D (n, 3) of a base with R = 1 m and alpha = 1.
+
+    The centre of mass is taken to lie at the origin of base_link.
 
     Raises
     ------
     ShapeError, ModelError
+    InputError
+        A base that steers.
     """
     if isinstance(base, Coupling):
         return base
+    if isinstance(base, WheelBase):
+        return Coupling(base.velocity_coupling, base.radius, base.alpha)
     return Coupling(np.asarray(base, float))
 
 
-def rim_speeds(base: Coupling | ArrayLike, twist: ArrayLike) -> Array:
+def rim_speeds(base: WheelBase | Coupling | ArrayLike, twist: ArrayLike) -> Array:
     """Rim speeds (..., n), m/s, of a twist (..., 3) (vx, vy, w): `m = D v`.
 
     Raises
@@ -131,7 +140,7 @@ def rim_speeds(base: Coupling | ArrayLike, twist: ArrayLike) -> Array:
     return m
 
 
-def base_twist(base: Coupling | ArrayLike, rims: ArrayLike) -> Array:
+def base_twist(base: WheelBase | Coupling | ArrayLike, rims: ArrayLike) -> Array:
     """Twist (..., 3) (vx, vy, w) that explains rim speeds (..., n), m/s, best: `v = D^+ m`, least squares.
 
     Raises
@@ -143,7 +152,7 @@ def base_twist(base: Coupling | ArrayLike, rims: ArrayLike) -> Array:
     return v
 
 
-def base_force(base: Coupling | ArrayLike, forces: ArrayLike) -> Array:
+def base_force(base: WheelBase | Coupling | ArrayLike, forces: ArrayLike) -> Array:
     """Force and torque (..., 3) (Fx, Fy in N, torque in N m) of wheel forces (..., n), N: `D^T f`, torque times R.
 
     Power balance: `f . m = Fx vx + Fy vy + torque w` for every twist.
@@ -157,7 +166,7 @@ def base_force(base: Coupling | ArrayLike, forces: ArrayLike) -> Array:
     return F
 
 
-def base_acceleration(base: Coupling | ArrayLike, forces: ArrayLike, mass: float) -> Array:
+def base_acceleration(base: WheelBase | Coupling | ArrayLike, forces: ArrayLike, mass: float) -> Array:
     """Acceleration (..., 3) (ax, ay in m/s2, wd in rad/s2) of wheel forces (..., n), N: `a = C_alpha f / M`.
 
     Raises
@@ -169,7 +178,7 @@ def base_acceleration(base: Coupling | ArrayLike, forces: ArrayLike, mass: float
     return a
 
 
-def wheel_forces(base: Coupling | ArrayLike, acceleration: ArrayLike, mass: float) -> Array:
+def wheel_forces(base: WheelBase | Coupling | ArrayLike, acceleration: ArrayLike, mass: float) -> Array:
     """Smallest wheel forces (..., n), N, for an acceleration (..., 3) (ax, ay, wd): `f = M C_alpha^+ a`.
 
     Fewer than three independent wheels come as near as they can; `failed_motor.redistribute` says what is missed.
@@ -182,6 +191,22 @@ def wheel_forces(base: Coupling | ArrayLike, acceleration: ArrayLike, mass: floa
     a = _last("acceleration", acceleration, 3) * [1.0, 1.0, c.radius]
     f: Array = _mass(mass) * a @ np.linalg.pinv(c.force).T
     return f
+
+
+def live_wheels(n: int, out: Sequence[int]) -> NDArray[np.bool_]:
+    """(n,) which wheels are left when those of `out` are not.
+
+    Raises
+    ------
+    OutOfLimits
+        There is no such wheel.
+    """
+    live = np.ones(n, bool)
+    for wheel in out:
+        if not 0 <= wheel < n:
+            raise OutOfLimits(f"wheel {wheel} is out, but there are wheels 0 to {n - 1}")
+        live[wheel] = False
+    return live
 
 
 def _last(name: str, values: ArrayLike, size: int) -> Array:

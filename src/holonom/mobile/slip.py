@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import stats
 
 from holonom.errors import ModelError, OutOfLimits, ShapeError
+from holonom.mobile.base import WheelBase
 from holonom.mobile.coupling import Coupling, coupling_of
 from holonom.mobile.slip_kernels import (
     AMBIGUOUS,
@@ -127,7 +128,7 @@ class SlipReport:
 
 
 def detect_slip(
-    base: Coupling | ArrayLike,
+    base: WheelBase | Coupling | ArrayLike,
     speeds: ArrayLike,
     settings: SlipSettings,
     *,
@@ -184,7 +185,7 @@ def detect_slip(
     )  # fmt: skip
 
 
-def slip_params(base: Coupling | ArrayLike, settings: SlipSettings) -> SlipParams:
+def slip_params(base: WheelBase | Coupling | ArrayLike, settings: SlipSettings) -> SlipParams:
     """Prepare `slip_step` for a base: inverses without one and two wheels, and what noise alone may do to each.
 
     Raises
@@ -233,7 +234,7 @@ def slip_params(base: Coupling | ArrayLike, settings: SlipSettings) -> SlipParam
     )
 
 
-def separable_wheels(base: Coupling | ArrayLike) -> NDArray[np.bool_]:
+def separable_wheels(base: WheelBase | Coupling | ArrayLike) -> NDArray[np.bool_]:
     """(n, n) whether wheel speeds alone can tell slip of one wheel from slip of another.
 
     The diagonal says whether slip of that wheel shows at all. Columns of `I - D D^+` that are parallel look alike:
@@ -269,7 +270,7 @@ def _determined(D: Array, weights: Array, left_out: tuple[int, ...]) -> bool:
 def _without(D: Array, weights: Array, left_out: tuple[int, ...]) -> tuple[Array, Array]:
     """Least-squares inverse (3, n) without those wheels, and covariance (3, 3) of its twist."""
     A = _kept(D, weights, left_out)
-    covariance: Array = np.linalg.inv(A.T @ A)
+    covariance = np.asarray(np.linalg.inv(A.T @ A), np.float64)
     return covariance @ A.T * weights, covariance
 
 
