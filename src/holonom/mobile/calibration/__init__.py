@@ -1,0 +1,34 @@
+"""Calibration of odometry: what a base's numbers really are, from runs with ground truth.
+
+======================  ====================================================================
+`Run`                   one run: time, wheel turns, steering, truth
+`umbmark`               UMBmark: squares both ways round, for differential drives; a `UMBmark`
+`calibrate`             least squares from any trajectories; a `Calibration`
+`DRIVES`, `SETS`        what can be calibrated: drives with their parameters, sets of these
+`drive_parameters`      a set and the motion matrix it makes, as `DriveParameters`
+`wheels_of`             wheels and steered wheels of a drive, in the order of the columns
+`dead_reckoning`        poses of a run by odometry
+`path_errors`           the four error measures, `PathErrors`
+======================  ====================================================================
+"""
+
+from holonom.mobile.calibration.least_squares import Calibration, calibrate
+from holonom.mobile.calibration.parameters import DRIVES, SETS, DriveParameters, drive_parameters, wheels_of
+from holonom.mobile.calibration.runs import PathErrors, Run, dead_reckoning, path_errors
+from holonom.mobile.calibration.umbmark import UMBmark, umbmark
+
+__all__ = [
+    "DRIVES",
+    "SETS",
+    "Calibration",
+    "DriveParameters",
+    "PathErrors",
+    "Run",
+    "UMBmark",
+    "calibrate",
+    "dead_reckoning",
+    "drive_parameters",
+    "path_errors",
+    "umbmark",
+    "wheels_of",
+]

@@ -1,0 +1,164 @@
+"""Calibration from any trajectory with ground truth, by nonlinear least squares over all runs together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize
+
+from holonom.errors import CalibrationError, OutOfLimits
+from holonom.mobile.calibration.parameters import DriveParameters, drive_parameters, wheels_of
+from holonom.mobile.calibration.residuals import Problem, path_lever
+from holonom.mobile.calibration.runs import PathErrors, Run, dead_reckoning, need_truth, path_errors
+from holonom.mobile.calibration.uncertainty import check_excitation, random_walk_covariance
+
+__all__ = ["Calibration", "calibrate"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """Result of a calibration by least squares.
+
+    Attributes
+    ----------
+    drive, set : what was calibrated: a drive, and "physical" or "extended" parameters.
+    names : of the p parameters.
+    nominal, values, deviations : (p,) before, after, and standard deviations; m and rad.
+    covariance : (p, p) of the values.
+    singular_values : (p,) of the weighted Jacobian by the scaled parameters, largest first.
+    matrix : (3, f) motion matrix: features of a sample (see `Run.features`) to increments of the base.
+    lever : m/rad, by which headings were weighted.
+    before, after : errors of odometry along the runs.
+    """
+
+    drive: str
+    set: str
+    names: tuple[str, ...]
+    nominal: Array
+    values: Array
+    deviations: Array
+    covariance: Array
+    singular_values: Array
+    matrix: Array
+    lever: float
+    before: PathErrors
+    after: PathErrors
+
+    @property
+    def condition(self) -> float:
+        """Largest over smallest singular value."""
+        return float(self.singular_values[0] / self.singular_values[-1])
+
+    @property
+    def correlation(self) -> Array:
+        """(p, p) correlation of the values."""
+        size = np.where(self.deviations > 0.0, self.deviations, 1.0)
+        return self.covariance / np.outer(size, size)
+
+
+def calibrate(
+    runs: Sequence[Run],
+    drive: str,
+    nominal: Mapping[str, float],
+    *,
+    set_name: str = "physical",
+    rule: str = "midpoint",
+    lever: float | None = None,
+    final_weight: float = 1.0,
+) -> Calibration:
+    """Calibrate a drive so that its odometry follows the truth.
+
+    Minimises, over all runs, the mean square error of the pose along the run plus `final_weight` squared times the
+    square error at its end; headings count by `lever`. The derivatives go through the integration.
+
+    Parameters
+    ----------
+    runs : with the truth; any trajectories.
+    drive : a key of `DRIVES`.
+    nominal : its physical parameters to start from, m and rad.
+    set_name : "physical", what a data sheet states, or "extended", every wheel's own direction and lever.
+    rule : of integration.
+    lever : m/rad; how far the truth goes from the start of a run unless given.
+    final_weight : of the end of a run beside the way.
+
+    Raises
+    ------
+    CalibrationError
+        No runs, wheels that do not go with the drive, or a motion that leaves parameters open: it names them.
+    UnknownName, OutOfLimits, ShapeError
+
+    Source: Gauss-Newton on the recursion, by Levenberg and Marquardt (`scipy.optimize.least_squares`); extended sets
+    free the whole matrix of Lin, Liu & Kuo 2019 and Sousa, Petry, Costa & Moreira 2020.
+    """
+    parameters = drive_parameters(drive, nominal, set_name)
+    problem = Problem(_checked(runs, drive), parameters, rule, _lever(runs, lever), _weight(final_weight))
+    x = _solved(problem)
+    parts = problem.parts(x)
+    covariance = random_walk_covariance(parts)
+    values = check_excitation(problem.residuals(x)[1], parameters, covariance)
+    _check_reach(x, parameters)
+    scale = parameters.scale
+    M = parameters.matrix(problem.values(x))
+    return Calibration(
+        drive, set_name, parameters.names, parameters.nominal, problem.values(x),
+        scale * np.sqrt(np.diagonal(covariance)), covariance * np.outer(scale, scale), values, M, problem.lever,
+        _errors(runs, parameters.matrix(parameters.nominal), rule), _errors(runs, M, rule),
+    )  # fmt: skip
+
+
+def _solved(problem: Problem) -> Array:
+    zero = np.zeros(len(problem.drive.names))
+    check_excitation(problem.residuals(zero)[1], problem.drive)
+    found = optimize.least_squares(
+        lambda x: problem.residuals(x)[0], zero, jac=lambda x: problem.residuals(x)[1], method="lm", xtol=1e-12
+    )
+    x: Array = found.x
+    return x
+
+
+def _errors(runs: Sequence[Run], M: Array, rule: str) -> PathErrors:
+    return path_errors(runs, [dead_reckoning(run, M, rule) for run in runs])
+
+
+def _checked(runs: Sequence[Run], drive: str) -> tuple[Run, ...]:
+    wheels, steered = wheels_of(drive)
+    if not runs:
+        raise CalibrationError("no run came; give one or more")
+    need_truth(runs)
+    for run in runs:
+        if run.turns.shape[1] != len(wheels) or run.steering.shape[1] != len(steered):
+            raise CalibrationError(
+                f"run {run.name} has {run.turns.shape[1]} wheels and {run.steering.shape[1]} steering angles; a "
+                f"{drive} has {len(wheels)} ({', '.join(wheels)}) and {len(steered)}"
+            )
+    return tuple(runs)
+
+
+def _lever(runs: Sequence[Run], lever: float | None) -> float:
+    if lever is None:
+        lever = path_lever(runs)
+    if not (np.isfinite(lever) and lever > 0.0):
+        raise OutOfLimits(f"a lever of {lever} m came; give one above zero (runs that stay in place tell none)")
+    return float(lever)
+
+
+def _weight(final_weight: float) -> float:
+    if not (np.isfinite(final_weight) and final_weight >= 0.0):
+        raise OutOfLimits(f"a final weight of {final_weight} came; give zero or more")
+    return float(final_weight)
+
+
+def _check_reach(x: Array, parameters: DriveParameters) -> None:
+    """A parameter that moved by as much as it is: the motion did not hold it, or the log is not of this robot."""
+    far = np.abs(x) > 0.9
+    if far.any():
+        named = ", ".join(name for name, away in zip(parameters.names, far, strict=True) if away)
+        raise CalibrationError(
+            f"least squares takes {named} away from the nominal value altogether; see that geometry, gear, encoder and "
+            "columns are right, or record a motion with straight parts and turns to both sides"
+        )

@@ -1,0 +1,244 @@
+"""What is calibrated of each drive: named numbers, and the motion matrix they make.
+
+The motion matrix M (3, f) turns the features of a sample (wheel turns; of a steered wheel turn times cosine and turn
+times sine of its angle) into the increment of the base. Two sets for each drive: `physical`, what a data sheet states,
+and `extended`, which also finds the place of the frame that the truth is of (a marker is never quite on the base's
+frame), the angle of mecanum rollers, and of an omni drive every wheel's own direction and lever.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.errors import CalibrationError, OutOfLimits, UnknownName
+
+__all__ = ["DRIVES", "SETS", "DriveParameters", "drive_parameters", "wheels_of"]
+
+Array = NDArray[np.float64]
+
+SETS = ("physical", "extended")
+
+
+@dataclass(frozen=True, slots=True)
+class DriveParameters:
+    """Numbers of a drive and the motion matrix they make.
+
+    Attributes
+    ----------
+    drive, set : which drive, and which of `SETS`.
+    names : of the p parameters; lengths in m, angles in rad.
+    nominal : (p,) what the data sheet says.
+    scale : (p,) by how much each may reasonably be wrong altogether: itself, one radian, or a wheelbase.
+    matrix : (p,) -> motion matrix (3, f).
+    slopes : (p,) -> its derivatives (3, f, p).
+    """
+
+    drive: str
+    set: str
+    names: tuple[str, ...]
+    nominal: Array
+    scale: Array
+    matrix: Callable[[Array], Array]
+    slopes: Callable[[Array], Array]
+
+
+@dataclass(frozen=True, slots=True)
+class _Wheels:
+    """A drive whose increment is a sum over wheels: column j is `D/2 (g cos a, g sin a, h/L)`."""
+
+    wheels: tuple[str, ...]
+    lever: str
+    gain: float
+    directions: tuple[float, ...]
+    turning: tuple[float, ...]
+
+
+_DEG = np.pi / 180.0
+_FRAME = ("frame_ahead", "frame_left", "frame_yaw")
+_WHEELED = {
+    "differential": _Wheels(("left", "right"), "wheelbase", 0.5, (0.0, 0.0), (-1.0, 1.0)),
+    "omni3": _Wheels(
+        ("wheel_1", "wheel_2", "wheel_3"), "wheel_distance", 2.0 / 3.0,
+        (30 * _DEG, 150 * _DEG, 270 * _DEG), (1 / 3, 1 / 3, 1 / 3),
+    ),
+    "mecanum": _Wheels(
+        ("front_left", "front_right", "rear_left", "rear_right"), "wheelbase_plus_track", np.sqrt(2.0) / 4.0,
+        (-45 * _DEG, 45 * _DEG, 45 * _DEG, -45 * _DEG), (-0.5, 0.5, -0.5, 0.5),
+    ),
+}  # fmt: skip
+
+DRIVES = {
+    **{name: (w.lever, *(f"diameter_{wheel}" for wheel in w.wheels)) for name, w in _WHEELED.items()},
+    "tricycle": ("wheelbase", "diameter", "steering_offset"),
+}
+"""Physical parameters of each drive that can be calibrated.
+
+- differential: wheels left, right, `wheelbase` apart; forward is positive.
+- tricycle: one steered, driven wheel in front, `wheelbase` ahead of the axle; steering is positive to the left.
+- omni3: omni wheels at -60, 60 and 180 degrees, `wheel_distance` from the middle; positive drives counter-clockwise.
+- mecanum: rollers of the wheels seen from above make an X; forward is positive. `wheelbase_plus_track` is the distance
+  between axles plus that between left and right wheels.
+"""
+
+
+def wheels_of(drive: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names of a drive's wheels, and of its steered ones, in the order of a run's columns.
+
+    Raises
+    ------
+    UnknownName
+    """
+    if drive not in DRIVES:
+        raise UnknownName("drive that can be calibrated", drive, DRIVES)
+    return (("front",), ("front",)) if drive == "tricycle" else (_WHEELED[drive].wheels, ())
+
+
+def drive_parameters(drive: str, nominal: Mapping[str, float], set_name: str = "physical") -> DriveParameters:
+    """Return what is calibrated of a drive.
+
+    Parameters
+    ----------
+    drive : a key of `DRIVES`.
+    nominal : its physical parameters by name, as `DRIVES` lists them; m and rad.
+    set_name : one of `SETS`.
+
+    Raises
+    ------
+    UnknownName
+        No such drive or set.
+    CalibrationError
+        Missing or surplus parameters.
+    OutOfLimits
+        A length that is not above zero.
+    """
+    wheels_of(drive)
+    if set_name not in SETS:
+        raise UnknownName("set of parameters", set_name, SETS)
+    if set(nominal) != set(DRIVES[drive]):
+        raise CalibrationError(
+            f"parameters {', '.join(sorted(nominal)) or 'none'} came; a {drive} has {', '.join(DRIVES[drive])}"
+        )
+    values = np.array([float(nominal[name]) for name in DRIVES[drive]])
+    for name, value in zip(DRIVES[drive], values, strict=True):
+        if not np.isfinite(value) or (value <= 0.0 and name != "steering_offset"):
+            raise OutOfLimits(f"{name} {value} came; a length above zero is allowed")
+    if set_name == "extended" and drive == "omni3":
+        return _each_wheel(drive, values)
+    plain = _tricycle(values) if drive == "tricycle" else _wheeled(drive, values)
+    if set_name == "physical":
+        return plain
+    return _framed(_rollers(plain) if drive == "mecanum" else plain)
+
+
+def _wheeled(drive: str, nominal: Array) -> DriveParameters:
+    """Common lever L, one diameter per wheel."""
+    kind = _WHEELED[drive]
+    a, h = np.array(kind.directions), np.array(kind.turning)
+    rows = 0.5 * np.stack([kind.gain * np.cos(a), kind.gain * np.sin(a), h])
+
+    def matrix(p: Array) -> Array:
+        return rows * p[1:] / np.array([[1.0], [1.0], [p[0]]])
+
+    def slopes(p: Array) -> Array:
+        M, out = matrix(p), np.zeros((3, len(a), len(p)))
+        out[2, :, 0] = -M[2] / p[0]
+        for j in range(len(a)):
+            out[:, j, 1 + j] = M[:, j] / p[1 + j]
+        return out
+
+    return DriveParameters(drive, "physical", DRIVES[drive], nominal, nominal, matrix, slopes)
+
+
+def _tricycle(nominal: Array) -> DriveParameters:
+    """Wheel's way s at angle `a = steering + offset`: forwards `s cos a`, turn `s sin a / L`."""
+    turned = np.array([[0.0, -1.0], [1.0, 0.0]])
+
+    def matrix(p: Array) -> Array:
+        L, D, offset = p
+        c, s = np.cos(offset), np.sin(offset)
+        return 0.5 * D * np.array([[c, -s], [0.0, 0.0], [s / L, c / L]])
+
+    def slopes(p: Array) -> Array:
+        M, out = matrix(p), np.zeros((3, 2, 3))
+        out[2, :, 0] = -M[2] / p[0]
+        out[:, :, 1] = M / p[1]
+        out[:, :, 2] = M @ turned
+        return out
+
+    scale = np.array([nominal[0], nominal[1], 1.0])
+    return DriveParameters("tricycle", "physical", DRIVES["tricycle"], nominal, scale, matrix, slopes)
+
+
+def _rollers(plain: DriveParameters) -> DriveParameters:
+    """Mecanum with rollers at another angle than 45 degrees: sideways way divided by the angle's tangent."""
+
+    def matrix(p: Array) -> Array:
+        return np.array([[1.0], [1.0 / np.tan(p[-1])], [1.0]]) * plain.matrix(p[:-1])
+
+    def slopes(p: Array) -> Array:
+        by_angle = np.zeros((3, 4, 1))
+        by_angle[1, :, 0] = -plain.matrix(p[:-1])[1] / np.sin(p[-1]) ** 2
+        before = np.array([1.0, 1.0 / np.tan(p[-1]), 1.0])[:, None, None] * plain.slopes(p[:-1])
+        return np.concatenate([before, by_angle], axis=2)
+
+    return DriveParameters(
+        plain.drive, "extended", (*plain.names, "roller_angle"), np.append(plain.nominal, 45 * _DEG),
+        np.append(plain.scale, 1.0), matrix, slopes,
+    )  # fmt: skip
+
+
+def _framed(plain: DriveParameters) -> DriveParameters:
+    """The truth is that of a frame (a marker) at (ahead, left) of the base's own, turned by yaw."""
+
+    def matrix(p: Array) -> Array:
+        M = plain.matrix(p[:-3])
+        return np.vstack([_yaw(p[-1]) @ (M[:2] + np.outer([-p[-2], p[-3]], M[2])), M[2]])
+
+    def slopes(p: Array) -> Array:
+        ahead, left, yaw = p[-3:]
+        M, dM = plain.matrix(p[:-3]), plain.slopes(p[:-3])
+        moved = dM[:2] + np.array([-left, ahead])[:, None, None] * dM[2]
+        by_plain = np.concatenate([np.tensordot(_yaw(yaw), moved, 1), dM[2:]])
+        by_frame = np.zeros((3, M.shape[1], 3))
+        by_frame[:2, :, 0] = np.outer(_yaw(yaw)[:, 1], M[2])
+        by_frame[:2, :, 1] = -np.outer(_yaw(yaw)[:, 0], M[2])
+        by_frame[:2, :, 2] = np.array([[0.0, 1.0], [-1.0, 0.0]]) @ matrix(p)[:2]
+        return np.concatenate([by_plain, by_frame], axis=2)
+
+    L = plain.nominal[0]
+    return DriveParameters(
+        plain.drive, "extended", (*plain.names, *_FRAME), np.concatenate([plain.nominal, np.zeros(3)]),
+        np.concatenate([plain.scale, [L, L, 1.0]]), matrix, slopes,
+    )  # fmt: skip
+
+
+def _yaw(angle: float) -> Array:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, s], [-s, c]])
+
+
+def _each_wheel(drive: str, physical: Array) -> DriveParameters:
+    """Every wheel with its own diameter, direction and lever: every entry of the matrix free."""
+    kind = _WHEELED[drive]
+    n, a, h = len(kind.wheels), np.array(kind.directions), np.array(kind.turning)
+
+    def matrix(p: Array) -> Array:
+        D, d, L = p[:n], p[n : 2 * n], p[2 * n :]
+        return 0.5 * D * np.stack([kind.gain * np.cos(a + d), kind.gain * np.sin(a + d), h / L])
+
+    def slopes(p: Array) -> Array:
+        M, out = matrix(p), np.zeros((3, n, 3 * n))
+        for j in range(n):
+            out[:, j, j] = M[:, j] / p[j]
+            out[0, j, n + j], out[1, j, n + j] = -M[1, j], M[0, j]
+            out[2, j, 2 * n + j] = -M[2, j] / p[2 * n + j]
+        return out
+
+    names = tuple(f"{what}_{wheel}" for what in ("diameter", "direction", "lever") for wheel in kind.wheels)
+    nominal = np.concatenate([physical[1:], np.zeros(n), np.full(n, physical[0])])
+    scale = np.concatenate([physical[1:], np.ones(n), np.full(n, physical[0])])
+    return DriveParameters(drive, "extended", names, nominal, scale, matrix, slopes)

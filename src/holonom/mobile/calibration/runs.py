@@ -1,0 +1,140 @@
+"""A run of a base with its ground truth, and how far odometry went astray on it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.errors import CalibrationError, ShapeError
+from holonom.mobile.odometry import integrate
+
+__all__ = ["PathErrors", "Run", "dead_reckoning", "need_truth", "path_errors"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """One run.
+
+    Attributes
+    ----------
+    name : for messages.
+    time : (N,) s.
+    turns : (N, m) angle that each wheel turned in each sample, rad; the first sample holds what came before it, zeros.
+    truth : (N, 3) x, y (m), theta (rad), of the base in the world at the end of each sample; (0, 3) where unknown.
+    steering : (N, k) angle of each steered wheel in each sample, rad; k may be 0.
+    """
+
+    name: str
+    time: Array
+    turns: Array
+    truth: Array
+    steering: Array
+
+    def __post_init__(self) -> None:
+        n = len(self.time)
+        shapes = {"turns": self.turns.shape, "truth": self.truth.shape, "steering": self.steering.shape}
+        rows_fit = all(len(s) == 2 and s[0] == n for s in (self.turns.shape, self.steering.shape))
+        if n < 2 or self.truth.shape not in ((n, 3), (0, 3)) or not rows_fit:
+            raise ShapeError(
+                f"run {self.name}: {n} times, {', '.join(f'{k} {s}' for k, s in shapes.items())}; "
+                "give two samples or more, (N, wheels), (N, 3) and (N, steered wheels)"
+            )
+        for name in ("time", "turns", "truth", "steering"):
+            if not np.all(np.isfinite(getattr(self, name))):
+                raise ShapeError(f"run {self.name}: {name} holds NaN or infinity; repair the log")
+
+    @property
+    def features(self) -> Array:
+        """What a motion matrix turns into increments of the base: turns, or turns times cosine and sine of steering."""
+        if self.steering.shape[1] == 0:
+            return self.turns
+        c, s = np.cos(self.steering), np.sin(self.steering)
+        return np.concatenate([self.turns * c, self.turns * s], axis=1)
+
+    @property
+    def heading(self) -> Array:
+        """(N,) heading of the truth without jumps of full turns, rad."""
+        return np.unwrap(self.truth[:, 2])
+
+
+@dataclass(frozen=True, slots=True)
+class PathErrors:
+    """Largest errors of odometry over runs; the arrays (runs,) hold each run's own.
+
+    Attributes
+    ----------
+    distance, heading : largest on the way, m and rad.
+    final_distance, final_heading : at the end, m and rad.
+    """
+
+    distances: Array
+    headings: Array
+    final_distances: Array
+    final_headings: Array
+
+    @property
+    def distance(self) -> float:
+        """Largest distance from the truth on the way, m."""
+        return float(self.distances.max())
+
+    @property
+    def heading(self) -> float:
+        """Largest heading error on the way, rad."""
+        return float(self.headings.max())
+
+    @property
+    def final_distance(self) -> float:
+        """Largest distance from the truth at the end of a run, m."""
+        return float(self.final_distances.max())
+
+    @property
+    def final_heading(self) -> float:
+        """Largest heading error at the end of a run, rad."""
+        return float(self.final_headings.max())
+
+
+def dead_reckoning(run: Run, matrix: Array, rule: str = "midpoint") -> Array:
+    """Poses (N, 3) of a run by odometry from the truth's first pose, or zero; `matrix` maps features to increments."""
+    start = np.array([*run.truth[0, :2], run.heading[0]]) if len(run.truth) else np.zeros(3)
+    return integrate(run.features @ matrix.T, start=start, rule=rule)
+
+
+def need_truth(runs: Sequence[Run]) -> None:
+    """Refuse runs without a truth to compare with.
+
+    Raises
+    ------
+    CalibrationError
+    """
+    for run in runs:
+        if not len(run.truth):
+            raise CalibrationError(
+                f"run {run.name} has no ground truth; record x, y, theta of the base beside its wheels"
+            )
+
+
+def path_errors(runs: Sequence[Run], paths: Sequence[Array]) -> PathErrors:
+    """Compare paths (N, 3) of runs with their truth; headings are compared on the circle.
+
+    Raises
+    ------
+    CalibrationError
+        No run.
+    """
+    if not runs:
+        raise CalibrationError("no run came; give one or more")
+    need_truth(runs)
+    distance, heading = [], []
+    for run, path in zip(runs, paths, strict=True):
+        distance.append(np.hypot(*(run.truth[:, :2] - path[:, :2]).T))
+        turn = run.truth[:, 2] - path[:, 2]
+        heading.append(np.abs(np.arctan2(np.sin(turn), np.cos(turn))))
+    return PathErrors(
+        np.array([d.max() for d in distance]), np.array([h.max() for h in heading]),
+        np.array([d[-1] for d in distance]), np.array([h[-1] for h in heading]),
+    )  # fmt: skip

@@ -1,0 +1,162 @@
+"""Ticks to wheel angles to increments of the base to poses."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from holonom.errors import OutOfLimits, ShapeError, UnknownName
+from holonom.mobile.odometry.kernels import integrate_into
+
+__all__ = [
+    "RULES",
+    "Rule",
+    "angle_per_tick",
+    "count_differences",
+    "integrate",
+    "metres_per_tick",
+    "rule_named",
+]
+
+Array = NDArray[np.float64]
+
+
+class Rule(NamedTuple):
+    """How a step is laid out: the share of the turn that comes before its straight part; arcs, or not."""
+
+    share: float
+    exact: bool
+
+
+RULES = {
+    "turn_then_drive": Rule(1.0, False),
+    "midpoint": Rule(0.5, False),
+    "exact": Rule(0.5, True),
+}
+"""Integration rules by name. With an increment (dx, dy, dtheta) and the heading theta before it, the base moves along
+
+- `turn_then_drive`: (dx, dy) turned by theta + dtheta;
+- `midpoint`: (dx, dy) turned by theta + dtheta/2, half the turn (second order);
+- `exact`: the same, shortened to the chord of the arc, `sin(dtheta/2) / (dtheta/2)`: exact where the twist is constant.
+"""
+
+
+def rule_named(name: str) -> Rule:
+    """Return the integration rule of a name.
+
+    Raises
+    ------
+    UnknownName
+    """
+    if name not in RULES:
+        raise UnknownName("integration rule", name, RULES)
+    return RULES[name]
+
+
+def metres_per_tick(diameter: float, ticks: float, gear: float = 1.0) -> float:
+    """Way of a wheel's rim per encoder tick, m: `k = pi D / (N C)` (specification 6.3).
+
+    Parameters
+    ----------
+    diameter : D, of the wheel, m.
+    ticks : C, of the encoder per turn of its shaft.
+    gear : N, turns of the encoder's shaft per turn of the wheel.
+
+    Raises
+    ------
+    OutOfLimits
+        One of them is not above zero.
+    """
+    return 0.5 * _positive("diameter", diameter) * angle_per_tick(ticks, gear)
+
+
+def angle_per_tick(ticks: float, gear: float = 1.0) -> float:
+    """Angle of a wheel per encoder tick, rad; `ticks` and `gear` as for `metres_per_tick`.
+
+    Raises
+    ------
+    OutOfLimits
+    """
+    return 2.0 * np.pi / (_positive("ticks", ticks) * _positive("gear", gear))
+
+
+def count_differences(counts: ArrayLike, bits: int | None = None) -> Array:
+    """Ticks of each sample (N, m) from counts that go on (N, m); the first row is zero.
+
+    Parameters
+    ----------
+    counts : readings of the counters.
+    bits : width of counters that run over: a step of more than half their range is one the other way.
+
+    Raises
+    ------
+    ShapeError, OutOfLimits
+        No (N, m) array of numbers; bits not from 1 to 52; a count beyond the counter's range.
+    """
+    values = np.asarray(counts, dtype=np.float64)
+    if values.ndim != 2 or not np.all(np.isfinite(values)):
+        raise ShapeError(f"counts have shape {values.shape}; give one finite row per sample, one column per wheel")
+    steps = np.diff(values, axis=0, prepend=values[:1])
+    if bits is None:
+        return steps
+    if not 1 <= bits <= 52:
+        raise OutOfLimits(f"counters of {bits} bits came; 1 to 52 are allowed")
+    span = float(2**bits)
+    if np.ptp(values) >= span:
+        raise OutOfLimits(
+            f"counts reach over {np.ptp(values):g} ticks; counters of {bits} bits hold {span:g}: give more"
+        )
+    return (steps + 0.5 * span) % span - 0.5 * span
+
+
+def integrate(increments: ArrayLike, *, start: ArrayLike = (0.0, 0.0, 0.0), rule: str = "midpoint") -> Array:
+    """Add increments up to poses.
+
+    Parameters
+    ----------
+    increments : (N, 3)
+        dx, dy (m) and dtheta (rad) of each sample in the robot frame: `base.twist(wheel angles of the sample)`.
+    start : (3,)
+        Pose before the first one, in the world.
+    rule
+        A key of `RULES`.
+
+    Returns
+    -------
+    (N, 3) : x, y, theta in the world behind each increment; theta is not wrapped.
+
+    Raises
+    ------
+    ShapeError, UnknownName
+
+    Source: Siegwart & Nourbakhsh 5.2.4 (midpoint); specification 6.3.
+    """
+    share, exact = rule_named(rule)
+    rows = increments_of(increments)
+    poses = np.empty_like(rows)
+    integrate_into(rows, pose_of(start), share, exact, poses)
+    return poses
+
+
+def increments_of(increments: ArrayLike) -> Array:
+    """(N, 3) finite, contiguous."""
+    rows = np.ascontiguousarray(increments, dtype=np.float64)
+    if rows.ndim != 2 or rows.shape[1] != 3 or not np.all(np.isfinite(rows)):
+        raise ShapeError(f"increments have shape {rows.shape}; give finite rows of dx, dy (m), dtheta (rad)")
+    return rows
+
+
+def pose_of(start: ArrayLike) -> Array:
+    """(3,) finite."""
+    pose = np.ascontiguousarray(start, dtype=np.float64)
+    if pose.shape != (3,) or not np.all(np.isfinite(pose)):
+        raise ShapeError(f"the start has shape {pose.shape}; give x, y (m), theta (rad)")
+    return pose
+
+
+def _positive(name: str, value: float) -> float:
+    if not (np.isfinite(value) and value > 0.0):
+        raise OutOfLimits(f"{name} {value} came; a number above zero is allowed")
+    return float(value)

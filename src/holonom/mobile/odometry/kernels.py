@@ -1,0 +1,147 @@
+"""Loops of odometry, compiled: increments of the base to poses, with covariance and with sensitivities."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+__all__ = ["integrate_into", "propagate_into", "sensitivities_into"]
+
+Floats = NDArray[np.float64]
+
+SMALL = 1e-4  # turn of one step, rad, below which the chord's length is its series
+
+
+@njit(cache=True, error_model="numpy")
+def _chord(turn: float) -> tuple[float, float]:
+    """Chord over arc of a turn, `sin(turn/2) / (turn/2)`, and its derivative by the turn."""
+    half = 0.5 * turn
+    if abs(turn) < SMALL:
+        return 1.0 - half * half / 6.0, -half / 6.0
+    ratio = np.sin(half) / half
+    return ratio, 0.5 * (np.cos(half) - ratio) / half
+
+
+@njit(cache=True, error_model="numpy")
+def integrate_into(increments: Floats, start: Floats, share: float, exact: bool, poses: Floats) -> None:
+    """Add up increments (N, 3) in the robot frame from `start` (3,); `poses` (N, 3) follow each increment.
+
+    `share` of the turn comes before the straight part; with `exact` that part is the chord of an arc.
+    """
+    x, y, theta = start
+    for k in range(increments.shape[0]):
+        dx, dy, turn = increments[k, 0], increments[k, 1], increments[k, 2]
+        if exact:
+            scale = _chord(turn)[0]
+            dx *= scale
+            dy *= scale
+        angle = theta + share * turn
+        c, s = np.cos(angle), np.sin(angle)
+        x += c * dx - s * dy
+        y += s * dx + c * dy
+        theta += turn
+        poses[k, 0] = x
+        poses[k, 1] = y
+        poses[k, 2] = theta
+
+
+@njit(cache=True, error_model="numpy")
+def step_jacobians(
+    theta: float, increment: Floats, share: float, exact: bool, by_pose: Floats, by_increment: Floats
+) -> None:
+    """Derivatives (3, 3) of the pose behind one step by the pose before it and by the increment."""
+    turn = increment[2]
+    scale, slope = _chord(turn) if exact else (1.0, 0.0)
+    c, s = np.cos(theta + share * turn), np.sin(theta + share * turn)
+    px = c * increment[0] - s * increment[1]
+    py = s * increment[0] + c * increment[1]
+    by_pose[:] = 0.0
+    by_pose[0, 0] = by_pose[1, 1] = by_pose[2, 2] = 1.0
+    by_pose[0, 2] = -scale * py
+    by_pose[1, 2] = scale * px
+    by_increment[0, 0] = scale * c
+    by_increment[0, 1] = -scale * s
+    by_increment[1, 0] = scale * s
+    by_increment[1, 1] = scale * c
+    by_increment[0, 2] = -share * scale * py + slope * px
+    by_increment[1, 2] = share * scale * px + slope * py
+    by_increment[2, 0] = by_increment[2, 1] = 0.0
+    by_increment[2, 2] = 1.0
+
+
+@njit(cache=True, error_model="numpy")
+def propagate_into(
+    increments: Floats,
+    noise: Floats,
+    start: Floats,
+    covariance: Floats,
+    share: float,
+    exact: bool,
+    poses: Floats,
+    out: Floats,
+) -> None:
+    """Poses (N, 3) and their covariances `out` (N, 3, 3), from `covariance` (3, 3) and that of each increment."""
+    integrate_into(increments, start, share, exact, poses)
+    F, G = np.empty((3, 3)), np.empty((3, 3))
+    P, half = covariance.copy(), np.empty((3, 3))
+    theta = start[2]
+    for k in range(increments.shape[0]):
+        step_jacobians(theta, increments[k], share, exact, F, G)
+        _congruence(F, P, half, out[k])
+        P[:] = out[k]
+        _congruence(G, noise[k], half, out[k])
+        P += out[k]
+        out[k] = P
+        theta += increments[k, 2]
+
+
+@njit(cache=True, error_model="numpy")
+def _congruence(A: Floats, S: Floats, half: Floats, out: Floats) -> None:
+    """`out = A S A^T`, 3 x 3, by way of `half`."""
+    for i in range(3):
+        for j in range(3):
+            half[i, j] = A[i, 0] * S[0, j] + A[i, 1] * S[1, j] + A[i, 2] * S[2, j]
+    for i in range(3):
+        for j in range(3):
+            out[i, j] = half[i, 0] * A[j, 0] + half[i, 1] * A[j, 1] + half[i, 2] * A[j, 2]
+
+
+@njit(cache=True, error_model="numpy")
+def sensitivities_into(
+    features: Floats, M: Floats, start: Floats, share: float, exact: bool, poses: Floats, out: Floats
+) -> None:
+    """Poses (N, 3) of increments `M features[k]`, and their derivatives `out` (N, 3, 3 m) by `M` (3, m), row by row."""
+    n, m = features.shape
+    x, y, theta = start
+    D = np.zeros((2, 3 * m))  # derivatives of x and y
+    turned = np.zeros(m)  # of theta, by the last row of M
+    for k in range(n):
+        dx = dy = turn = 0.0
+        for j in range(m):
+            dx += M[0, j] * features[k, j]
+            dy += M[1, j] * features[k, j]
+            turn += M[2, j] * features[k, j]
+        scale, slope = _chord(turn) if exact else (1.0, 0.0)
+        angle = theta + share * turn
+        c, s = np.cos(angle), np.sin(angle)
+        px, py = c * dx - s * dy, s * dx + c * dy
+        for j in range(m):
+            f = features[k, j]
+            by_angle = turned[j] + share * f
+            D[0, j] += scale * c * f
+            D[1, j] += scale * s * f
+            D[0, m + j] -= scale * s * f
+            D[1, m + j] += scale * c * f
+            D[0, 2 * m + j] += -scale * py * by_angle + slope * px * f
+            D[1, 2 * m + j] += scale * px * by_angle + slope * py * f
+            turned[j] += f
+            out[k, 2, j] = out[k, 2, m + j] = 0.0
+            out[k, 2, 2 * m + j] = turned[j]
+        x += scale * px
+        y += scale * py
+        theta += turn
+        poses[k, 0] = x
+        poses[k, 1] = y
+        poses[k, 2] = theta
+        out[k, :2] = D
