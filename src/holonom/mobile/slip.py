@@ -63,7 +63,8 @@ class SlipSettings:
         How long all samples must name the same wheel before it is named, s; within the persistence.
     most
         Wheels that may slip at once. With 1 two wheels are considered only where no single one explains the speeds;
-        with 2 (n >= 6) a single one is named only if no two others explain them.
+        with 2 a single one is named only if no two others explain them, so that five wheels alone name none (four
+        wheels never tell two from one).
 
     Raises
     ------
@@ -161,7 +162,7 @@ def detect_slip(
     With n >= 5 the wheel is the one without which the others agree. With n = 4 every three wheels agree: named is the
     wheel without which the twist agrees with the gyro and with the last velocity within the acceleration limits; if
     several such remain the status is AMBIGUOUS. Two wheels that slip in just the ratio that a third one alone would
-    show (possible with n = 4 and 5) cannot be told from it. See `slip_step`, the same sample by sample.
+    show (in noise: often with n = 4 and 5, seldom with 6) look like it; `most=2` names none then. See `slip_step`, the same sample by sample.
     """
     coupling = coupling_of(base)
     params = slip_params(coupling, settings)
@@ -170,9 +171,10 @@ def detect_slip(
     gyro = np.full(len(m), np.nan) if rate is None else _finite("rate", rate, (len(m),))
     push = np.full((len(m), 3), np.nan)
     if acceleration is not None:
-        push = np.asarray(acceleration, float) * [1.0, 1.0, R]
+        push = np.array(acceleration, float)
         if push.shape != (len(m), 3):
             raise ShapeError(f"acceleration has shape {push.shape}; it must be ({len(m)}, 3): ax, ay, wd per sample")
+        push[:, 2] *= R
     status, wheels = np.empty(len(m), np.int64), np.empty((len(m), 2), np.int64)
     twist, statistic = np.empty((len(m), 3)), np.empty(len(m))
     slip_samples(params, slip_start(), m, gyro, push, status, wheels, twist, statistic)
@@ -204,7 +206,10 @@ def slip_params(base: WheelBase | Coupling | ArrayLike, settings: SlipSettings) 
     weights = 1.0 / np.broadcast_to(noise, (n,)).astype(float)
     sets = [s for s in ((), *_left_out(n)) if _determined(D, weights, s)]
     if not sets or sets[0]:
-        raise ModelError(f"slip: these {n} wheels do not determine vx, vy and w: D has rank below 3; add a wheel")
+        raise ModelError(
+            f"slip: these {n} wheels do not determine vx, vy and w: D has rank below 3; slip needs omni "
+            "or mecanum wheels, three or more"
+        )
     fits = [_without(D, weights, s) for s in sets]
     covariance = np.array([c for _, c in fits])
     p = settings.false_alarm
@@ -264,7 +269,7 @@ def _kept(D: Array, weights: Array, left_out: tuple[int, ...]) -> Array:
 
 def _determined(D: Array, weights: Array, left_out: tuple[int, ...]) -> bool:
     values = np.linalg.svd(_kept(D, weights, left_out), compute_uv=False)
-    return bool(values[2] > _RANK * values[0])
+    return len(values) == 3 and bool(values[2] > _RANK * values[0])
 
 
 def _without(D: Array, weights: Array, left_out: tuple[int, ...]) -> tuple[Array, Array]:
