@@ -1,0 +1,283 @@
+"""Compiled steps of the loops on a base: numbers and arrays in, numbers out; nothing is checked or allocated.
+
+A base comes in as `rows` (m, 3): rim speed (m/s) of each driven wheel per (vx, vy, w), so that `rows^T f` is the
+force (N, N, N m) of rim forces f on it. Wheels count by `weights` (m,), 0: left out.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+__all__ = [
+    "EstimateParams",
+    "KeepingParams",
+    "Planar",
+    "TractionParams",
+    "WatchParams",
+    "allocation",
+    "estimate_step",
+    "ground_speed",
+    "keeping_step",
+    "pose_step",
+    "traction_step",
+    "wanted_acceleration",
+    "watch_step",
+    "within_slip",
+]
+
+Floats = NDArray[np.float64]
+
+
+class Planar(NamedTuple):
+    """A pose (m, m, rad), a twist (m/s, m/s, rad/s), an acceleration or a wrench: two parts and a turn."""
+
+    x: float
+    y: float
+    turn: float
+
+
+class KeepingParams(NamedTuple):
+    """Path keeping: gains in 1/s and 1/s^2, limits in m/s, rad/s, m/s^2, rad/s^2; sample time."""
+
+    dt: float
+    position_gain: float
+    position_integral: float
+    heading_gain: float
+    heading_integral: float
+    velocity_gain: float
+    turn_rate_gain: float
+    max_correction: float
+    max_turn_correction: float
+    max_acceleration: float
+    max_turn_acceleration: float
+
+
+class EstimateParams(NamedTuple):
+    """Velocity estimate: part of the wheels' word taken each sample, limits of that (m/s^2), gyro bias gain."""
+
+    dt: float
+    gain: float
+    max_pull: float
+    bias_gain: float
+
+
+class TractionParams(NamedTuple):
+    """Traction control: slip (m/s) that is left alone, the largest wanted; cut and recovery of force, 1/s."""
+
+    dt: float
+    free_slip: float
+    max_slip: float
+    cut_rate: float
+    recovery_rate: float
+
+
+class WatchParams(NamedTuple):
+    """Motor watch: current (A) that proves something, part of it that must flow, speeds (rad/s), time (s)."""
+
+    dt: float
+    least_current: float
+    least_part: float
+    standstill: float
+    least_reference: float
+    patience: float
+
+
+@njit(cache=True, error_model="numpy")
+def keeping_step(
+    params: KeepingParams, reference: Floats, pose: Planar, turn_rate: float, integral: Planar, before: Planar
+) -> tuple[Planar, Planar, Planar]:
+    """Path keeping: the twist to command, the acceleration to feed forward (both in base_link), the next integral.
+
+    Parameters
+    ----------
+    reference
+        (9,): pose in the world; twist in the base_link of that pose; acceleration of the centre in the same axes, and
+        of the heading.
+    pose, turn_rate
+        Where the base believes to be; its turning rate, rad/s.
+    integral
+        Integral of the pose error times its gain, world axes (m/s, m/s, rad/s).
+    before
+        The last command, which the acceleration limit counts from.
+
+    Notes
+    -----
+    `u = R(e_theta) u_ref + K e + I`: the reference twist turned into the true heading, plus PI on the pose error in
+    robot axes (Kanayama's error coordinates). The correction is limited, and the integral takes no more than that.
+    """
+    c, s = math.cos(pose.turn), math.sin(pose.turn)
+    wx, wy = reference[0] - pose.x, reference[1] - pose.y
+    turn = reference[2] - pose.turn
+    turn -= 2.0 * math.pi * math.floor(turn / (2.0 * math.pi) + 0.5)
+    dt = params.dt
+    ix, iy = _shorten(
+        integral.x + dt * params.position_integral * wx, integral.y + dt * params.position_integral * wy,
+        params.max_correction,
+    )  # fmt: skip
+    it = _clip(integral.turn + dt * params.heading_integral * turn, params.max_turn_correction)
+    px, py = params.position_gain * wx + ix, params.position_gain * wy + iy
+    px, py = _shorten(c * px + s * py, c * py - s * px, params.max_correction)
+    pt = _clip(params.heading_gain * turn + it, params.max_turn_correction)
+    d, e = math.cos(turn), math.sin(turn)
+    ux, uy = d * reference[3] - e * reference[4] + px, e * reference[3] + d * reference[4] + py
+    ut = reference[5] + pt
+    b = dt * turn_rate
+    bx, by = before.x + b * before.y, before.y - b * before.x  # the last command, in axes that turned since
+    dx, dy = _shorten(ux - bx, uy - by, dt * params.max_acceleration)
+    command = Planar(bx + dx, by + dy, before.turn + _clip(ut - before.turn, dt * params.max_turn_acceleration))
+    ahead = Planar(d * reference[6] - e * reference[7], e * reference[6] + d * reference[7], reference[8])
+    return command, ahead, Planar(ix, iy, it)
+
+
+@njit(cache=True, error_model="numpy")
+def wanted_acceleration(params: KeepingParams, command: Planar, twist: Planar, ahead: Planar) -> Planar:
+    """Acceleration (base_link axes) that the drive forces aim at: fed forward plus velocity error, limited."""
+    ax, ay = _shorten(
+        ahead.x + params.velocity_gain * (command.x - twist.x),
+        ahead.y + params.velocity_gain * (command.y - twist.y),
+        params.max_acceleration,
+    )
+    turn = _clip(ahead.turn + params.turn_rate_gain * (command.turn - twist.turn), params.max_turn_acceleration)
+    return Planar(ax, ay, turn)
+
+
+@njit(cache=True, error_model="numpy")
+def allocation(rows: Floats, weights: Floats, out: Floats) -> None:
+    """Fill `out` (m, 3): rim forces (N) per force and torque on the base, `f = W D (D^T W D)^-1 F`.
+
+    The forces of least weighted square that make F; a wheel of weight 0 takes no part. With fewer than three
+    wheels left not every F can be made: those that can are, within 1 in 10^6.
+    """
+    a = np.zeros((3, 3))
+    for i in range(rows.shape[0]):
+        for j in range(3):
+            for k in range(3):
+                a[j, k] += weights[i] * rows[i, j] * rows[i, k]
+    for j in range(3):
+        a[j, j] = a[j, j] * (1.0 + 1e-6) + 1e-12
+    inverse = np.linalg.inv(a)
+    for i in range(rows.shape[0]):
+        for j in range(3):
+            out[i, j] = weights[i] * (
+                rows[i, 0] * inverse[0, j] + rows[i, 1] * inverse[1, j] + rows[i, 2] * inverse[2, j]
+            )
+
+
+@njit(cache=True, error_model="numpy")
+def estimate_step(
+    params: EstimateParams,
+    rows: Floats,
+    weights: Floats,
+    rims: Floats,
+    twist: Planar,
+    bias: float,
+    rate: float,
+    acceleration: Planar,
+) -> tuple[Planar, float]:
+    """Twist and gyro bias one sample later, from gyro, accelerometers and those wheels whose weight is not 0.
+
+    The last velocity is carried along with the measured acceleration (base_link, m/s^2) and turns under the base;
+    the trusted wheels, with the gyro's rate (rad/s) put in, pull at it with a limited acceleration. A wheel
+    that spins can thus not run away with the estimate before it is found out.
+    """
+    dt = params.dt
+    w = rate - bias
+    vx = twist.x + dt * (acceleration.x + w * twist.y)
+    vy = twist.y + dt * (acceleration.y - w * twist.x)
+    xx = yy = xy = bx = by = along = square = 0.0
+    for i in range(rows.shape[0]):
+        p, q, g = rows[i, 0], rows[i, 1], weights[i]
+        left = rims[i] - p * vx - q * vy - rows[i, 2] * w
+        xx += g * p * p
+        yy += g * q * q
+        xy += g * p * q
+        bx += g * p * left
+        by += g * q * left
+        along += g * rows[i, 2] * left
+        square += g * rows[i, 2] * rows[i, 2]
+    determinant = xx * yy - xy * xy
+    if determinant > 1e-9:
+        dx, dy = (yy * bx - xy * by) / determinant, (xx * by - xy * bx) / determinant
+        dx, dy = _shorten(params.gain * dx, params.gain * dy, dt * params.max_pull)
+        vx += dx
+        vy += dy
+    if square > 1e-12:
+        bias -= _clip(params.bias_gain * along / square, dt * params.bias_gain)
+    return Planar(vx, vy, w), bias
+
+
+@njit(cache=True, error_model="numpy")
+def pose_step(pose: Planar, twist: Planar, dt: float) -> Planar:
+    """Dead reckoning: a constant twist (base_link) along its chord, at the mean heading, shortened as the arc's."""
+    half = 0.5 * dt * twist.turn
+    c, s = math.cos(pose.turn + half), math.sin(pose.turn + half)
+    chord = dt * (1.0 - half * half / 6.0)
+    return Planar(
+        pose.x + chord * (c * twist.x - s * twist.y),
+        pose.y + chord * (s * twist.x + c * twist.y),
+        pose.turn + dt * twist.turn,
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def ground_speed(rows: Floats, wheel: int, twist: Planar) -> float:
+    """Rim speed (m/s) of a wheel that does not slip while the base has a twist."""
+    return rows[wheel, 0] * twist.x + rows[wheel, 1] * twist.y + rows[wheel, 2] * twist.turn
+
+
+@njit(cache=True, error_model="numpy")
+def traction_step(params: TractionParams, cut: float, slip: float, force: float) -> float:
+    """Part (0 to 1) of the drive force that a wheel may use next, from its estimated slip (m/s) and last force.
+
+    Slip in the direction of the force beyond what is left alone takes force away, the faster the more of it; below
+    it force comes back slowly.
+    """
+    excess = (slip if force >= 0.0 else -slip) - params.free_slip
+    if excess > 0.0:
+        span = params.max_slip - params.free_slip
+        return max(cut - params.dt * params.cut_rate * min(excess / span, 1.0), 0.0)
+    return min(cut + params.dt * params.recovery_rate, 1.0)
+
+
+@njit(cache=True, error_model="numpy")
+def within_slip(params: TractionParams, wanted: float, ground: float) -> float:
+    """Rim speed (m/s) to command: the wanted one, no further from the floor's than the largest slip."""
+    return min(max(wanted, ground - params.max_slip), ground + params.max_slip)
+
+
+@njit(cache=True, error_model="numpy")
+def watch_step(
+    params: WatchParams, suspicion: float, measured: float, modelled: float, speed: float, reference: float
+) -> float:
+    """Time (s) for which a motor has not done as it was told; `patience` is enough to call it dead.
+
+    Currents in A: what the shunt measures, and what the armature must draw at the commanded voltage and the
+    measured speed. No current where there must be some: the winding is open. Standstill (speeds in rad/s)
+    against the command with current flowing: it is jammed. Other evidence takes time back; none leaves it.
+    """
+    flowing = abs(modelled) > params.least_current
+    if flowing and abs(measured) < params.least_part * abs(modelled):
+        return suspicion + params.dt
+    if flowing and abs(reference) > params.least_reference:
+        if abs(speed) < params.standstill:
+            return suspicion + params.dt
+        return max(suspicion - params.dt, 0.0)
+    return suspicion
+
+
+@njit(cache=True, error_model="numpy")
+def _shorten(x: float, y: float, limit: float) -> tuple[float, float]:
+    size = math.sqrt(x * x + y * y)
+    if size <= limit:
+        return x, y
+    return x * limit / size, y * limit / size
+
+
+@njit(cache=True, error_model="numpy")
+def _clip(value: float, limit: float) -> float:
+    return min(max(value, -limit), limit)

@@ -1,0 +1,145 @@
+"""The floor under a base: slip curves of its materials, and patches of another material (ice, oil, carpet)."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.errors import OutOfLimits
+
+__all__ = ["CARPET", "ICE", "RoundPatch", "Floor", "Material", "RectangularPatch", "floor_table"]
+
+MATERIAL = np.dtype([("stiffness", np.float64), ("shape", np.float64), ("peak", np.float64)])
+"""B (s/m), C, D of the magic formula."""
+
+PATCH = np.dtype(
+    [
+        ("round", np.bool_),
+        ("x", np.float64),
+        ("y", np.float64),
+        ("cosine", np.float64),
+        ("sine", np.float64),
+        ("half_length", np.float64),  # radius of a disc
+        ("half_width", np.float64),
+        ("material", MATERIAL),
+    ]
+)
+"""A patch as the kernel tests it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Material:
+    """Slip curve between wheel and floor: friction coefficient over slip speed, `mu(s) = D sin(C atan(B s))`.
+
+    Pacejka's magic formula without its curvature term (Tire and Vehicle Dynamics, ch. 4), over the slip speed
+    in m/s instead of the slip ratio, so that it holds at standstill too.
+
+    Attributes
+    ----------
+    peak
+        Largest friction coefficient.
+    sliding
+        Coefficient at large slip; below the peak.
+    slip_at_peak
+        Slip speed (m/s) at which the peak is.
+
+    Raises
+    ------
+    OutOfLimits
+        Not `0 <= sliding < peak`, or a slip speed that is not positive; a floor without any friction is
+        `Material(0.0, 0.0, 0.1)`.
+    """
+
+    peak: float = 0.8
+    sliding: float = 0.65
+    slip_at_peak: float = 0.05
+
+    def __post_init__(self) -> None:
+        falls = 0.0 <= self.sliding < self.peak < math.inf or self.sliding == self.peak == 0.0
+        if not (falls and 0.0 < self.slip_at_peak < math.inf):
+            raise OutOfLimits(
+                f"Material: peak {self.peak!r}, sliding {self.sliding!r}, slip_at_peak {self.slip_at_peak!r} m/s; "
+                "the sliding coefficient must be at least 0 and below the peak, the slip speed positive"
+            )
+
+    @property
+    def shape(self) -> float:
+        """C, from the fall behind the peak: `D sin(C pi/2) = sliding`."""
+        part = self.sliding / self.peak if self.peak > 0.0 else 0.0
+        return 2.0 - 2.0 / math.pi * math.asin(part)
+
+    @property
+    def stiffness(self) -> float:
+        """B (s/m), from the place of the peak: `C atan(B s) = pi/2`."""
+        return math.tan(0.5 * math.pi / self.shape) / self.slip_at_peak
+
+    def friction(self, slip: float) -> float:
+        """Friction coefficient at a slip speed (m/s); odd in it."""
+        return self.peak * math.sin(self.shape * math.atan(self.stiffness * slip))
+
+
+CARPET = Material()
+"""Rubber ring on felt; assumed."""
+ICE = Material(0.06, 0.04, 0.03)
+"""Rubber ring on wet ice; assumed."""
+
+
+@dataclass(frozen=True, slots=True)
+class RectangularPatch:
+    """A rectangular patch: centre (m), length and width (m), turned by `angle` (rad), of a material."""
+
+    centre: tuple[float, float]
+    length: float
+    width: float
+    material: Material = ICE
+    angle: float = 0.0
+
+    def __post_init__(self) -> None:
+        _positive("RectangularPatch", length=self.length, width=self.width)
+
+
+@dataclass(frozen=True, slots=True)
+class RoundPatch:
+    """A round patch: centre (m), radius (m), of a material."""
+
+    centre: tuple[float, float]
+    radius: float
+    material: Material = ICE
+
+    def __post_init__(self) -> None:
+        _positive("RoundPatch", radius=self.radius)
+
+
+@dataclass(frozen=True, slots=True)
+class Floor:
+    """A level floor of one material with patches; where patches overlap the last one counts."""
+
+    material: Material = CARPET
+    patches: tuple[RectangularPatch | RoundPatch, ...] = ()
+
+
+def floor_table(floor: Floor) -> tuple[NDArray[np.void], NDArray[np.void]]:
+    """Return the floor as records: its material (1,) of `MATERIAL`, its patches (k,) of `PATCH`."""
+    rows = [_patch_row(patch) for patch in floor.patches]
+    return np.array([_material_row(floor.material)], dtype=MATERIAL), np.array(rows, dtype=PATCH)
+
+
+def _material_row(material: Material) -> tuple[float, float, float]:
+    return material.stiffness, material.shape, material.peak
+
+
+def _patch_row(patch: RectangularPatch | RoundPatch) -> tuple[object, ...]:
+    material = _material_row(patch.material)
+    if isinstance(patch, RoundPatch):
+        return (True, *patch.centre, 1.0, 0.0, patch.radius, patch.radius, material)
+    cosine, sine = math.cos(patch.angle), math.sin(patch.angle)
+    return (False, *patch.centre, cosine, sine, 0.5 * patch.length, 0.5 * patch.width, material)
+
+
+def _positive(owner: str, **sizes: float) -> None:
+    for name, value in sizes.items():
+        if not 0.0 < value < math.inf:
+            raise OutOfLimits(f"{owner}: {name} is {value!r} m; it must be finite and greater than 0")

@@ -1,0 +1,177 @@
+"""`BaseLog`: what happened to a simulated base, at 1 kHz, and the events in it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.mobile.slip import SlipStatus
+from holonom.signals import Event
+from holonom.sim.base_records import BODY_GROUPS
+
+__all__ = ["BaseLog", "log_of"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class BaseLog:
+    """N samples of a base with m driven wheels; SI units, twists in base_link, poses in the world.
+
+    Attributes
+    ----------
+    time
+        (N,) s.
+    wheels
+        Names of the m wheels.
+    pose, twist
+        (N, 3) true.
+    estimated_pose, estimated_twist
+        (N, 3) as the controller believes.
+    reference_pose, reference_twist
+        (N, 3) as asked for.
+    wheel_speeds, measured_speeds, reference_speeds
+        (N, m) of the wheels, rad/s: true, by the encoders' observers, commanded.
+    currents, measured_currents, voltages
+        (N, m) A, A, V.
+    forces, cross_forces, loads, friction_limits
+        (N, m) N: on the base along the drive direction and across it; wheel load; `mu N` at the peak.
+    slip
+        (N, m) rim faster than the floor, m/s, true.
+    residuals
+        (N, m) `m - D D^+ m` of the measured rim speeds, m/s.
+    status, named
+        (N,) codes of `SlipStatus`; (N, m) wheels named as slipping.
+    dead
+        (N, m) motors that the controller takes for dead.
+    gyro, acceleration
+        (N,) rad/s and (N, 2) m/s^2 as the IMU measures them.
+    energy
+        (N, 5) J since the start: supplied, armature heat, air-gap work, lost in motors and gears, lost on the floor.
+    events
+        What a reader of the log wants to know first.
+    """
+
+    time: Array
+    wheels: tuple[str, ...]
+    pose: Array
+    twist: Array
+    estimated_pose: Array
+    estimated_twist: Array
+    reference_pose: Array
+    reference_twist: Array
+    wheel_speeds: Array
+    measured_speeds: Array
+    reference_speeds: Array
+    currents: Array
+    measured_currents: Array
+    voltages: Array
+    forces: Array
+    cross_forces: Array
+    loads: Array
+    friction_limits: Array
+    slip: Array
+    residuals: Array
+    status: NDArray[np.int64]
+    named: NDArray[np.bool_]
+    dead: NDArray[np.bool_]
+    gyro: Array
+    acceleration: Array
+    energy: Array
+    events: tuple[Event, ...] = ()
+
+    @property
+    def path_error(self) -> Array:
+        """(N,) m, distance of the true place from where the reference is at that time."""
+        error: Array = np.hypot(*(self.pose - self.reference_pose)[:, :2].T)
+        return error
+
+    @property
+    def heading_error(self) -> Array:
+        """(N,) rad, true heading less the reference's, in [-pi, pi)."""
+        turn = self.pose[:, 2] - self.reference_pose[:, 2]
+        error: Array = (turn + np.pi) % (2.0 * np.pi) - np.pi
+        return error
+
+    @property
+    def flagged(self) -> NDArray[np.int64]:
+        """(N,) index of the wheel named as slipping; -1 where none or two are."""
+        one: NDArray[np.int64] = np.where(self.named.sum(axis=1) == 1, self.named.argmax(axis=1), -1)
+        return one
+
+
+def log_of(
+    time: Array,
+    body: NDArray[np.void],
+    wheels: NDArray[np.void],
+    reference: Array,
+    names: Sequence[str],
+    faults: Sequence[Event] = (),
+) -> BaseLog:
+    """Arrays and events from the records of the compiled loop."""
+    named = (body["flagged"][:, None] >> np.arange(wheels.shape[1])) & 1 == 1
+    events = [*faults, *_slip_events(time, body["status"], named, names), *_dead_events(time, wheels["dead"], names)]
+
+    columns = body.view(np.float64).reshape(len(body), -1)
+    groups, first = {}, 0
+    for name, fields in BODY_GROUPS.items():
+        groups[name] = columns[:, first : first + len(fields)]
+        first += len(fields)
+    return BaseLog(
+        time=time,
+        wheels=tuple(names),
+        pose=groups["pose"],
+        twist=groups["twist"],
+        estimated_pose=groups["estimated_pose"],
+        estimated_twist=groups["estimated_twist"],
+        reference_pose=reference[:, :3],
+        reference_twist=reference[:, 3:6],
+        wheel_speeds=wheels["speed"],
+        measured_speeds=wheels["measured_speed"],
+        reference_speeds=wheels["reference_speed"],
+        currents=wheels["current"],
+        measured_currents=wheels["measured_current"],
+        voltages=wheels["voltage"],
+        forces=wheels["force"],
+        cross_forces=wheels["cross_force"],
+        loads=wheels["load"],
+        friction_limits=wheels["friction_limit"],
+        slip=wheels["slip"],
+        residuals=wheels["residual"],
+        status=body["status"],
+        named=named,
+        dead=wheels["dead"],
+        gyro=body["gyro"],
+        acceleration=groups["acceleration"],
+        energy=groups["energy"],
+        events=tuple(sorted(events, key=lambda event: event.time)),
+    )
+
+
+def _slip_events(time: Array, status: NDArray[np.int64], named: NDArray[np.bool_], names: Sequence[str]) -> list[Event]:
+    """An event wherever the detector says something new."""
+    changed = np.flatnonzero((np.diff(status) != 0) | (np.diff(named, axis=0).any(axis=1))) + 1
+    return [
+        Event(float(time[k]), "info" if status[k] == SlipStatus.NO_SLIP else "warning", "slip detection", text)
+        for k in changed
+        if (text := _slip_text(SlipStatus(status[k]), [n for n, s in zip(names, named[k], strict=True) if s]))
+    ]
+
+
+def _slip_text(status: SlipStatus, named: list[str]) -> str:
+    if status == SlipStatus.NO_SLIP:
+        return "no wheel slips any more"
+    if named:
+        return f"{' and '.join(named)} slips" if len(named) == 1 else f"{' and '.join(named)} slip"
+    return "a wheel slips; which one is ambiguous" if status == SlipStatus.AMBIGUOUS else ""
+
+
+def _dead_events(time: Array, dead: NDArray[np.bool_], names: Sequence[str]) -> list[Event]:
+    return [
+        Event(float(time[k]), "error", "motor watch", f"the motor of {names[i]} does not do as told; driving without it")
+        for i in range(dead.shape[1])
+        if (k := int(dead[:, i].argmax())) or dead[0, i]
+    ]

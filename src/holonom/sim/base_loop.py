@@ -1,0 +1,330 @@
+"""The loop of a whole base, compiled: sensors, estimate, path keeping, wheel loops each millisecond, the plant between.
+
+What the controller knows comes from encoders, shunts, gyro and accelerometers only; true states and faults are the
+plant's. Records in `base_records.py`, loops' steps in `control.base_kernels`, slip detection in `mobile.slip_kernels`.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from holonom.control.base_kernels import (
+    EstimateParams,
+    KeepingParams,
+    Planar,
+    TractionParams,
+    WatchParams,
+    allocation,
+    estimate_step,
+    ground_speed,
+    keeping_step,
+    pose_step,
+    traction_step,
+    wanted_acceleration,
+    watch_step,
+    within_slip,
+)
+from holonom.control.kernels import speed_step
+from holonom.devices.kernels import (
+    TrackingState,
+    count_angle,
+    encoder_counter,
+    extend_counter,
+    friction_torque,
+    tracking_step,
+)
+from holonom.mobile.slip_kernels import NO_SLIP, UNDETECTABLE, SlipParams, SlipState, slip_start, slip_step
+from holonom.sim.base_kernels import BLOCKED, RUNS, find_material, plant_step
+
+__all__ = ["LoopParams", "SensorParams", "drive_open", "run_loop"]
+
+SLIPPING_WEIGHT = 0.05  # in the allocation of force: a wheel on ice is asked last
+Floats = NDArray[np.float64]
+Records = NDArray[np.void]
+
+
+class SensorParams(NamedTuple):
+    """Gyro and accelerometer: standard deviation of a sample, offset; shunt: standard deviation."""
+
+    gyro_noise: float
+    gyro_bias: float
+    accelerometer_noise: float
+    accelerometer_bias: float
+    current_noise: float
+
+
+class LoopParams(NamedTuple):
+    """The controller: params of its steps, what it knows of the base, and what is switched on."""
+
+    keeping: KeepingParams
+    estimate: EstimateParams
+    traction: TractionParams
+    watch: WatchParams
+    slip: SlipParams
+    rows: Floats  # (m, 3) rim speeds per (vx, vy, w)
+    mass: float
+    inertia: float
+    detect: bool  # slip detection: leave the slipping wheel out of estimate and allocation
+    control_traction: bool
+    compensate: bool  # watch the motors, allocate without the dead
+
+
+@njit(cache=True, error_model="numpy")
+def run_loop(
+    params: LoopParams,
+    sensors: SensorParams,
+    body: Records,
+    state: Records,
+    wheels: Records,
+    states: Records,
+    support: Floats,
+    floor: Records,
+    patches: Records,
+    reference: Floats,
+    faults: NDArray[np.int64],
+    noise: Floats,
+    body_log: Records,
+    wheel_log: Records,
+) -> None:
+    """Follow a reference (N, 9) from the present state and log each millisecond (docstring of `simulate_base`).
+
+    `faults` (k, 3): tick, wheel, kind, in order of time; `noise` (N, 3 + m): standard normal numbers.
+    """
+    m = len(wheels)
+    b, base = body[0], state[0]
+    rows, keeping = params.rows, params.keeping
+    D, inverse, precision = params.slip.coupling, params.slip.inverses[0], params.slip.weights
+    quiet = NO_SLIP if params.slip.redundancy > 0 else UNDETECTABLE
+    bound = params.slip.thresholds[0] if params.slip.redundancy > 0 else -1.0
+    slip = slip_start()
+    trust, weights, rims = np.ones(m), np.ones(m), np.zeros(m)
+    acceleration, share = np.full(3, np.nan), np.zeros((m, 3))
+    allocation(rows, weights, share)
+    fault, named, dead = 0, 0, 0
+    for k in range(len(reference)):
+        while fault < len(faults) and faults[fault, 0] <= k:
+            _break_motor(states[faults[fault, 1]], faults[fault, 2])
+            fault += 1
+        gyro = base.w + sensors.gyro_bias + sensors.gyro_noise * noise[k, 0]
+        imu_x = base.ax + sensors.accelerometer_bias + sensors.accelerometer_noise * noise[k, 1]
+        imu_y = base.ay + sensors.accelerometer_bias + sensors.accelerometer_noise * noise[k, 2]
+        for i in range(m):
+            rims[i] = _sense(wheels[i], states[i], sensors.current_noise * noise[k, 3 + i])
+        acceleration[0], acceleration[1] = imu_x, imu_y
+        vx, vy, rw, statistic = _fit(D, inverse, precision, rims, wheel_log[k])
+        if params.detect and (slip.level > 0 or not statistic <= bound):
+            slip, found = slip_step(params.slip, slip, rims, gyro - base.gyro_bias, acceleration)
+            base.status, base.flagged = found.status, found.named
+        elif params.detect:  # `slip_step` would do no more than take the twist over
+            slip = SlipState(vx, vy, rw, 0.0, 0.0, 0, False, 0, 0, 0)
+            base.status, base.flagged = quiet, 0
+        lost = _watch_motors(params.watch, wheels, states) if params.compensate else 0
+        if lost != dead or base.flagged != named:
+            named, dead = base.flagged, lost
+            _set_weights(params.watch.standstill, params.control_traction, states, named, dead, trust, weights)
+            allocation(rows, weights, share)
+        twist = _estimate(params.estimate, rows, base, trust, rims, gyro, imu_x, imu_y)
+        _log_body(base, gyro, imu_x, imu_y, body_log[k])
+        _log_wheels(wheels, states, dead, wheel_log[k])
+        command, ahead = _keep_path(keeping, base, reference[k])
+        wanted = wanted_acceleration(keeping, command, twist, ahead)
+        force = Planar(params.mass * wanted.x, params.mass * wanted.y, params.inertia * wanted.turn)
+        for i in range(m):
+            wheel, own = wheels[i], states[i]
+            own.rim_reference = ground_speed(rows, i, command)
+            push = ground_speed(share, i, force)
+            if params.control_traction:
+                push = _control_traction(params.traction, wheel, own, ground_speed(rows, i, twist), push)
+            _drive(wheel, own, push, ground_speed(rows, i, wanted), (dead >> i) & 1 == 1)
+            wheel_log[k, i].reference_speed = states[i].rim_reference / wheels[i].radius
+        _floor(floor, patches, base, wheels, states)
+        for _ in range(b.substeps):
+            plant_step(b, base, wheels, states, support)
+
+
+@njit(cache=True, error_model="numpy")
+def drive_open(
+    body: Records,
+    state: Records,
+    wheels: Records,
+    states: Records,
+    support: Floats,
+    floor: Records,
+    patches: Records,
+    voltages: Floats,
+    body_log: Records,
+    wheel_log: Records,
+) -> None:
+    """Drive the motors with voltages (N, m), one row each millisecond, without any controller."""
+    for k in range(len(voltages)):
+        base = state[0]
+        _log_body(base, base.w, base.ax, base.ay, body_log[k])
+        _floor(floor, patches, base, wheels, states)
+        for i in range(len(wheels)):
+            states[i].voltage = voltages[k, i]
+            _log_wheel(wheels[i], states[i], False, wheel_log[k, i])
+        for _ in range(body[0].substeps):
+            plant_step(body[0], base, wheels, states, support)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _break_motor(own: Any, kind: int) -> None:
+    own.motor = kind
+    if kind == BLOCKED:
+        own.speed = 0.0
+    if kind != RUNS:
+        own.current = 0.0
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _floor(floor: Records, patches: Records, base: Any, wheels: Records, states: Records) -> None:
+    """Look up the material under each wheel."""
+    c, s = np.cos(base.theta), np.sin(base.theta)
+    for i in range(len(wheels)):
+        wheel = wheels[i]
+        x, y = base.x + c * wheel.x - s * wheel.y, base.y + s * wheel.x + c * wheel.y
+        find_material(floor, patches, x, y, states[i])
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _sense(wheel: Any, own: Any, current_noise: float) -> float:
+    """Encoder, observer and shunt of a wheel; its rim speed, m/s."""
+    own.count = extend_counter(own.count, encoder_counter(wheel.encoder, wheel.gear.ratio * own.angle))
+    before = TrackingState(own.seen_angle, own.seen_speed, own.seen_load)
+    after = tracking_step(wheel.tracking, before, count_angle(wheel.encoder, own.count), 0.0)
+    own.seen_angle, own.seen_speed, own.seen_load = after.angle, after.speed, after.load
+    own.measured_current = own.current + current_noise
+    own.modelled_current = wheel.armature.conductance * (own.voltage - wheel.armature.back_emf * after.speed)
+    own.rim = wheel.radius * after.speed / wheel.gear.ratio
+    return own.rim
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _watch_motors(params: WatchParams, wheels: Records, states: Records) -> int:
+    """Set (bit i: wheel i) of the motors that do not do as they are told; once dead they stay so."""
+    dead = 0
+    for i in range(len(wheels)):
+        wheel, own = wheels[i], states[i]
+        if own.suspicion < params.patience:
+            reference = wheel.gear.ratio * own.rim_reference / wheel.radius
+            own.suspicion = watch_step(
+                params, own.suspicion, own.measured_current, own.modelled_current, own.seen_speed, reference
+            )
+        if own.suspicion >= params.patience:
+            dead |= 1 << i
+    return dead
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _set_weights(
+    standstill: float, traction: bool, states: Records, named: int, dead: int, trust: Floats, weights: Floats
+) -> None:
+    """Which wheels are believed (a dead one that turns freely is), and which are asked for force."""
+    for i in range(len(states)):
+        slips, gone = (named >> i) & 1 == 1, (dead >> i) & 1 == 1
+        jammed = gone and abs(states[i].seen_speed) < standstill
+        trust[i] = 0.0 if slips or jammed else 1.0
+        weights[i] = 0.0 if gone else SLIPPING_WEIGHT if slips and traction else 1.0
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _estimate(
+    params: EstimateParams, rows: Floats, base: Any, trust: Floats, rims: Floats, gyro: float, imu_x: float, imu_y: float
+) -> Planar:
+    before = Planar(base.seen_vx, base.seen_vy, base.seen_w)
+    twist, base.gyro_bias = estimate_step(
+        params, rows, trust, rims, before, base.gyro_bias, gyro, Planar(imu_x, imu_y, 0.0)
+    )
+    pose = pose_step(Planar(base.seen_x, base.seen_y, base.seen_theta), twist, params.dt)
+    base.seen_vx, base.seen_vy, base.seen_w = twist.x, twist.y, twist.turn
+    base.seen_x, base.seen_y, base.seen_theta = pose.x, pose.y, pose.turn
+    return twist
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _keep_path(params: KeepingParams, base: Any, reference: Floats) -> tuple[Planar, Planar]:
+    pose = Planar(base.seen_x, base.seen_y, base.seen_theta)
+    integral = Planar(base.integral_x, base.integral_y, base.integral_theta)
+    before = Planar(base.command_vx, base.command_vy, base.command_w)
+    command, ahead, grown = keeping_step(params, reference, pose, base.seen_w, integral, before)
+    base.command_vx, base.command_vy, base.command_w = command.x, command.y, command.turn
+    base.integral_x, base.integral_y, base.integral_theta = grown.x, grown.y, grown.turn
+    return command, ahead
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _control_traction(params: TractionParams, wheel: Any, own: Any, ground: float, force: float) -> float:
+    """Hold the commanded rim speed near the floor's; return the drive force (N) that is left."""
+    own.cut = traction_step(params, own.cut, own.rim - ground, own.current_reference * wheel.gear.ratio)
+    own.rim_reference = within_slip(params, own.rim_reference, ground)
+    return own.cut * force
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _drive(wheel: Any, own: Any, force: float, acceleration: float, dead: bool) -> None:
+    """Speed loop and voltage of a wheel, fed forward the force (N) and acceleration (m/s2) of its rim."""
+    if dead:
+        own.voltage, own.current_reference, own.integral = 0.0, 0.0, 0.0
+        return
+    ratio, r = wheel.gear.ratio, wheel.radius
+    speed = ratio * own.rim_reference / r
+    torque = (force * r + wheel.inertia * acceleration / r) / (ratio * wheel.gear.efficiency)
+    ahead = (torque + friction_torque(wheel.friction, speed)) / wheel.torque_constant
+    own.current_reference, own.integral = speed_step(wheel.speed_loop, own.integral, speed, own.seen_speed, ahead)
+    supply = wheel.armature.max_voltage
+    voltage = own.current_reference / wheel.armature.conductance + wheel.armature.back_emf * own.seen_speed
+    own.voltage = min(max(voltage, -supply), supply)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _fit(
+    D: Floats, inverse: Floats, precision: Floats, rims: Floats, rows: Records
+) -> tuple[float, float, float, float]:
+    """Twist (vx, vy, R w) of all wheels and the weighted square sum of what it leaves, which is logged."""
+    vx, vy, rw, total = 0.0, 0.0, 0.0, 0.0
+    for i in range(len(rims)):
+        vx += inverse[0, i] * rims[i]
+        vy += inverse[1, i] * rims[i]
+        rw += inverse[2, i] * rims[i]
+    for i in range(len(rims)):
+        left = rims[i] - D[i, 0] * vx - D[i, 1] * vy - D[i, 2] * rw
+        rows[i].residual = left
+        total += (precision[i] * left) ** 2
+    return vx, vy, rw, total
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _log_wheels(wheels: Records, states: Records, dead: int, rows: Records) -> None:
+    for i in range(len(wheels)):
+        _log_wheel(wheels[i], states[i], (dead >> i) & 1 == 1, rows[i])
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _log_body(base: Any, gyro: float, imu_x: float, imu_y: float, row: Any) -> None:
+    row.x, row.y, row.theta = base.x, base.y, base.theta
+    row.vx, row.vy, row.w = base.vx, base.vy, base.w
+    row.seen_x, row.seen_y, row.seen_theta = base.seen_x, base.seen_y, base.seen_theta
+    row.seen_vx, row.seen_vy, row.seen_w = base.seen_vx, base.seen_vy, base.seen_w
+    row.gyro, row.imu_x, row.imu_y = gyro, imu_x, imu_y
+    row.supplied, row.heat, row.airgap, row.drag, row.ground = (
+        base.supplied,
+        base.heat,
+        base.airgap,
+        base.drag,
+        base.ground,
+    )
+    row.status, row.flagged = base.status, base.flagged
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _log_wheel(wheel: Any, own: Any, dead: bool, row: Any) -> None:
+    row.speed = own.speed
+    row.measured_speed = own.seen_speed / wheel.gear.ratio
+    row.current, row.measured_current, row.voltage = own.current, own.measured_current, own.voltage
+    row.force, row.cross_force, row.load, row.slip = own.along, own.across, own.load, own.slip
+    row.friction_limit = own.load * own.material.peak
+    row.dead = dead

@@ -1,0 +1,283 @@
+"""Reference paths of a base at 1 kHz: a curve, a speed within acceleration limits, a heading."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicSpline
+from scipy.ndimage import uniform_filter1d
+
+from holonom.errors import OutOfLimits, ShapeError, UnknownName
+
+__all__ = [
+    "HEADINGS",
+    "PATHS",
+    "PathLimits",
+    "ReferencePath",
+    "circle",
+    "figure_of_eight",
+    "plan_path",
+    "rounded_square",
+    "waypoints",
+]
+
+Array = NDArray[np.float64]
+TICK = 1e-3
+KNOTS = 400  # of the spline through a closed curve
+GRID = 4000  # points at which the speed is planned
+
+
+@dataclass(frozen=True, slots=True)
+class ReferencePath:
+    """A motion at 1 kHz.
+
+    Attributes
+    ----------
+    time
+        (N,) s.
+    pose
+        (N, 3) x, y, theta in the world; theta does not wrap.
+    twist
+        (N, 3) vx, vy, w in the base_link of that pose.
+    acceleration
+        (N, 3): acceleration of the centre in the axes of that base_link (m/s^2), and of the heading (rad/s^2).
+    """
+
+    time: Array
+    pose: Array
+    twist: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True, slots=True)
+class PathLimits:
+    """How fast a path is driven: speed (m/s), acceleration along and across together (m/s^2), s in which it comes on.
+
+    Raises
+    ------
+    OutOfLimits
+        A number that is not positive.
+    """
+
+    speed: float = 1.5
+    acceleration: float = 2.0
+    rise_time: float = 0.1
+
+    def __post_init__(self) -> None:
+        for name in ("speed", "acceleration", "rise_time"):
+            value = getattr(self, name)
+            if not 0.0 < value < math.inf:
+                raise OutOfLimits(f"PathLimits: {name} is {value!r}; it must be finite and greater than 0")
+
+
+def circle(size: float) -> Array:
+    """Points (k, 2) of a circle of diameter `size`, m, through the origin, counter-clockwise, closed."""
+    u = _turn()
+    return 0.5 * size * np.stack([np.sin(u), 1.0 - np.cos(u)], axis=1)
+
+
+def figure_of_eight(size: float) -> Array:
+    """Points (k, 2) of Gerono's lemniscate, `size` (m) long and half as wide, from its middle, closed."""
+    u = _turn()
+    return 0.5 * size * np.stack([np.sin(u), np.sin(u) * np.cos(u)], axis=1)
+
+
+def rounded_square(size: float) -> Array:
+    """Points (k, 2) of a square of side `size`, m, from the middle of its lower side, with round corners, closed.
+
+    A superellipse of order 4, whose corners have no jump of curvature.
+    """
+    u = _turn() - 0.5 * math.pi
+    c, s = np.cos(u), np.sin(u)
+    r = 0.5 * size / (c**4 + s**4) ** 0.25
+    return np.stack([r * c, r * s + 0.5 * size], axis=1)
+
+
+PATHS: Mapping[str, Callable[[float], Array]] = {
+    "circle": circle,
+    "figure_of_eight": figure_of_eight,
+    "rounded_square": rounded_square,
+}
+"""Closed curves by name, each of a size in m."""
+
+
+def waypoints(points: ArrayLike, *, closed: bool = False) -> Array:
+    """Return way points (k, 2), m, as a curve's points; a closed one ends at its first.
+
+    Raises
+    ------
+    ShapeError
+        Fewer than two points, points that are not finite, or the same one twice in a row.
+    """
+    p = np.array(points, float)
+    if p.ndim != 2 or p.shape[1] != 2 or len(p) < 2 or not np.isfinite(p).all():
+        raise ShapeError(f"waypoints have shape {p.shape}; they must be (k, 2) with k of at least 2, finite")
+    if closed and not np.allclose(p[0], p[-1]):
+        p = np.vstack([p, p[:1]])
+    same = np.flatnonzero(np.hypot(*np.diff(p, axis=0).T) < 1e-9)
+    if len(same):
+        raise ShapeError(f"way points {same[0]} and {same[0] + 1} are the same; leave one out")
+    return p
+
+
+def plan_path(
+    points: ArrayLike,
+    limits: PathLimits = PathLimits(),
+    *,
+    laps: int = 1,
+    heading: str = "fixed",
+    start: float = 0.0,
+    turns: float = 1.0,
+    rest: float = 0.3,
+) -> ReferencePath:
+    """Drive along a curve from rest to rest, as fast as the limits allow.
+
+    Parameters
+    ----------
+    points
+        (k, 2) of the curve, m, in order; a cubic spline goes through them. Closed where the last is the first.
+    limits
+        Speed and acceleration.
+    laps
+        How often a closed curve is driven.
+    heading
+        "fixed", "tangent" (base_link's x along the path) or "rotating" (evenly over the way).
+    start
+        Heading at the start (rad): of "fixed" and "rotating"; against the tangent for "tangent".
+    turns
+        Turns of a "rotating" base per lap, counter-clockwise.
+    rest
+        s of standing at both ends.
+
+    Raises
+    ------
+    ShapeError, OutOfLimits, UnknownName
+
+    Notes
+    -----
+    The speed is the largest under `hypot(dv/dt, v^2 kappa) <= acceleration` (forward and backward pass over the
+    curvature), then smoothed in time twice over the rise time, so that the acceleration has no jumps.
+    """
+    if heading not in HEADINGS:
+        raise UnknownName("heading", heading, HEADINGS)
+    p = waypoints(points)
+    closed = bool(np.allclose(p[0], p[-1]))
+    if laps < 1 or (laps > 1 and not closed):
+        raise OutOfLimits(f"plan_path: {laps} laps of {'a closed' if closed else 'an open'} curve; allowed is 1, or "
+                          "more of a closed one")  # fmt: skip
+    curve, length = _by_length(p, closed)
+    s = np.linspace(0.0, laps * length, GRID * laps + 1)
+    v = _speed_profile(s, _curvature(curve, s, length), limits)
+    distance, speed, gain = _in_time(s, v, limits.rise_time, rest)
+    angle = HEADINGS[heading](curve, distance, length, start, turns)
+    return _reference(curve, length, distance, speed, gain, angle)
+
+
+def _turn() -> Array:
+    return np.linspace(0.0, 2.0 * math.pi, KNOTS + 1)
+
+
+def _by_length(p: Array, closed: bool) -> tuple[CubicSpline, float]:
+    """Spline over its own length: chords first, then corrected by the length of that spline."""
+    if closed:
+        p = np.vstack([p[:-1], p[:1]])
+    kind = "periodic" if closed else "natural"
+    u = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(p, axis=0).T))])
+    curve = CubicSpline(u, p, bc_type=kind)
+    fine = np.linspace(0.0, u[-1], 20 * GRID + 1)
+    rate = np.hypot(*curve(fine, 1).T)
+    s = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(fine))])
+    even = np.interp(np.linspace(0.0, s[-1], KNOTS + 1), s, fine)
+    again = curve(even)
+    if closed:
+        again[-1] = again[0]
+    return CubicSpline(np.linspace(0.0, s[-1], KNOTS + 1), again, bc_type=kind), float(s[-1])
+
+
+def _on(curve: CubicSpline, s: Array, length: float, order: int) -> Array:
+    """Curve or a derivative of it (N, 2) at distances that may run over several laps."""
+    value: Array = curve(np.where(s > length, s % length, s), order)
+    return value
+
+
+def _curvature(curve: CubicSpline, s: Array, length: float) -> Array:
+    d, dd = _on(curve, s, length, 1), _on(curve, s, length, 2)
+    k: Array = (d[:, 0] * dd[:, 1] - d[:, 1] * dd[:, 0]) / np.hypot(*d.T) ** 3
+    return k
+
+
+def _speed_profile(s: Array, curvature: Array, limits: PathLimits) -> Array:
+    """Squared speed at each s, from rest to rest."""
+    k = np.abs(curvature)
+    most = np.minimum(limits.speed**2, limits.acceleration / np.maximum(k, 1e-9))
+    most[[0, -1]] = 0.0
+    for order in (range(1, len(s)), range(len(s) - 2, -1, -1)):
+        step = 1 if order.step == 1 else -1
+        for i in order:
+            before = most[i - step]
+            left = math.sqrt(max(limits.acceleration**2 - (before * k[i - step]) ** 2, 0.0))
+            most[i] = min(most[i], before + 2.0 * left * abs(s[i] - s[i - step]))
+    return most
+
+
+def _in_time(s: Array, square: Array, rise: float, rest: float) -> tuple[Array, Array, Array]:
+    """Distance, speed and acceleration along the way at 1 kHz, smoothed, resting at both ends."""
+    v = np.sqrt(square)
+    t = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(s) / (v[1:] + v[:-1]))])
+    window = max(int(round(rise / TICK)), 1)
+    pad = int(round(rest / TICK)) + window
+    n = int(math.ceil(t[-1] / TICK)) + 1
+    speed = np.pad(np.interp(TICK * np.arange(n), t, v, right=0.0), pad)
+    for _ in range(2):
+        speed = uniform_filter1d(speed, window, mode="constant")
+    distance = np.concatenate([[0.0], np.cumsum(0.5 * TICK * (speed[1:] + speed[:-1]))])
+    scale = s[-1] / distance[-1]
+    return scale * distance, scale * speed, np.gradient(scale * speed, TICK)
+
+
+def _fixed(curve: CubicSpline, s: Array, length: float, start: float, turns: float) -> Array:
+    return np.stack([np.full_like(s, start), np.zeros_like(s), np.zeros_like(s)])
+
+
+def _tangent(curve: CubicSpline, s: Array, length: float, start: float, turns: float) -> Array:
+    d = _on(curve, s, length, 1)
+    k = _curvature(curve, s, length)
+    return np.stack([np.unwrap(np.arctan2(d[:, 1], d[:, 0])) + start, k, np.gradient(k, TICK)])
+
+
+def _rotating(curve: CubicSpline, s: Array, length: float, start: float, turns: float) -> Array:
+    rate = 2.0 * math.pi * turns / length
+    return np.stack([start + rate * s, np.full_like(s, rate), np.zeros_like(s)])
+
+
+HEADINGS: Mapping[str, Callable[[CubicSpline, Array, float, float, float], Array]] = {
+    "fixed": _fixed,
+    "tangent": _tangent,
+    "rotating": _rotating,
+}
+"""Heading (rad), its rate over the way (rad/m) and that rate's change in time (rad/m/s): (3, N)."""
+
+
+def _reference(
+    curve: CubicSpline, length: float, s: Array, speed: Array, gain: Array, heading: Array
+) -> ReferencePath:
+    d, dd = _on(curve, s, length, 1), _on(curve, s, length, 2)
+    velocity = d * speed[:, None]
+    acceleration = d * gain[:, None] + dd * (speed**2)[:, None]
+    theta, rate, change = heading
+    c, sn = np.cos(theta), np.sin(theta)
+
+    def in_base(w: Array) -> Array:
+        return np.stack([c * w[:, 0] + sn * w[:, 1], c * w[:, 1] - sn * w[:, 0]], axis=1)
+
+    turn, turn_change = rate * speed, rate * gain + change * speed
+    return ReferencePath(
+        TICK * np.arange(len(s)),
+        np.column_stack([_on(curve, s, length, 0), theta]),
+        np.column_stack([in_base(velocity), turn]),
+        np.column_stack([in_base(acceleration), turn_change]),
+    )

@@ -1,0 +1,149 @@
+"""Memory layout of a simulated base: records of parameters, of state, and of what is logged each millisecond."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from holonom.sim.base_floor import MATERIAL
+from holonom.sim.records import AXIS
+
+__all__ = ["BODY", "BODY_GROUPS", "BODY_SAMPLE", "BODY_STATE", "WHEEL", "WHEEL_SAMPLE", "WHEEL_STATE"]
+
+F = np.float64
+
+WHEEL = np.dtype(
+    [
+        ("x", F),  # contact point in base_link, m
+        ("y", F),
+        ("along_x", F),  # direction in which the contact carries the drive force; its lever arm, m
+        ("along_y", F),
+        ("along_arm", F),
+        ("across_x", F),  # at right angles to it
+        ("across_y", F),
+        ("across_arm", F),
+        ("along_radius", F),  # slip along and across per wheel speed, m: r cos(gamma), -r sin(gamma)
+        ("across_radius", F),
+        ("radius", F),
+        ("rollers", np.bool_),  # across: rollers with bearing drag, or tyre with friction
+        ("roller_drag", F),  # drag over wheel load
+        ("inertia", F),  # wheel and geared rotor, kg m2
+        ("torque_constant", F),  # N m/A
+        ("armature", AXIS["armature"]),
+        ("friction", AXIS["friction"]),
+        ("gear", AXIS["gear"]),
+        ("encoder", AXIS["encoder"]),
+        ("tracking", AXIS["tracking"]),
+        ("speed_loop", AXIS["speed"]),
+    ]
+)
+"""One driven wheel with its motor."""
+
+BODY = np.dtype([("mass", F), ("inertia", F), ("height", F), ("dt", F), ("substeps", np.int64)])
+"""The rigid body: kg, kg m2, height of its centre of mass (m); step of the plant (s), steps per millisecond."""
+
+WHEEL_STATE = np.dtype(
+    [
+        ("speed", F),  # wheel, rad/s
+        ("angle", F),  # wheel, rad
+        ("current", F),  # A
+        ("voltage", F),  # V, asked of the power stage
+        ("motor", np.int64),  # one of MOTORS
+        ("along", F),  # force on the base, N
+        ("across", F),
+        ("slip", F),  # along, m/s: rim faster than ground
+        ("load", F),  # N
+        ("material", MATERIAL),  # of the floor under it
+        ("torque", F),  # scratch of one step: driving torque, N m
+        ("damping", F),  # its fall with wheel speed, N m s
+        ("along_stiffness", F),  # force per slip speed, N s/m
+        ("across_stiffness", F),
+        ("across_slip", F),
+        ("yielding", F),  # change of wheel speed in a step per torque, with its own slip, s/(kg m2)
+        ("count", np.int64),  # what the controller knows: counter, observer (motor side)
+        ("seen_angle", F),
+        ("seen_speed", F),
+        ("seen_load", F),
+        ("integral", F),  # of the speed loop, A
+        ("current_reference", F),
+        ("rim_reference", F),  # m/s
+        ("rim", F),  # measured rim speed, m/s
+        ("measured_current", F),
+        ("modelled_current", F),
+        ("suspicion", F),  # s for which the motor did not do as it was told
+        ("cut", F),  # traction control: part of the drive force that is left, 0 to 1
+        ("weight", F),  # in allocation and velocity estimate: 1 works, 0 is left out
+    ]
+)
+"""State of one driven wheel: plant first, then its controller."""
+
+BODY_STATE = np.dtype(
+    [
+        ("x", F),
+        ("y", F),
+        ("theta", F),
+        ("vx", F),  # base_link, m/s and rad/s
+        ("vy", F),
+        ("w", F),
+        ("ax", F),  # of the centre, in base_link, m/s2
+        ("ay", F),
+        ("supplied", F),  # energies since the start, J
+        ("heat", F),
+        ("airgap", F),
+        ("drag", F),  # motor friction and gears
+        ("ground", F),  # slip and rollers
+        ("seen_x", F),  # estimates
+        ("seen_y", F),
+        ("seen_theta", F),
+        ("seen_vx", F),
+        ("seen_vy", F),
+        ("seen_w", F),
+        ("gyro_bias", F),
+        ("command_vx", F),
+        ("command_vy", F),
+        ("command_w", F),
+        ("integral_x", F),  # of the pose error, world frame, m s
+        ("integral_y", F),
+        ("integral_theta", F),
+        ("status", np.int64),  # of the slip detector
+        ("flagged", np.int64),
+    ]
+)
+"""State of the body, of the estimator and of the path keeping."""
+
+WHEEL_SAMPLE = np.dtype(
+    [
+        (name, F)
+        for name in (
+            "speed",
+            "measured_speed",
+            "reference_speed",
+            "current",
+            "measured_current",
+            "voltage",
+            "force",
+            "cross_force",
+            "load",
+            "slip",
+            "residual",
+            "friction_limit",
+        )
+    ]
+    + [("dead", np.bool_)]
+)
+"""One wheel at one millisecond."""
+
+BODY_GROUPS = {
+    "pose": ("x", "y", "theta"),
+    "twist": ("vx", "vy", "w"),
+    "estimated_pose": ("seen_x", "seen_y", "seen_theta"),
+    "estimated_twist": ("seen_vx", "seen_vy", "seen_w"),
+    "gyro": ("gyro",),
+    "acceleration": ("imu_x", "imu_y"),
+    "energy": ("supplied", "heat", "airgap", "drag", "ground"),
+}
+"""Neighbouring numbers of `BODY_SAMPLE` that make one array of the log."""
+
+BODY_SAMPLE = np.dtype(
+    [(name, F) for group in BODY_GROUPS.values() for name in group] + [("status", np.int64), ("flagged", np.int64)]
+)
+"""The body at one millisecond; every field has 8 bytes."""

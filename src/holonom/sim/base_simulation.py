@@ -1,0 +1,186 @@
+"""`simulate_base`: a base keeps a path at 1 kHz while wheels slip and motors die, all in one compiled loop."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.control.path_keeping import EstimateSettings, KeepingSettings
+from holonom.control.traction import TractionSettings, WatchSettings
+from holonom.errors import ModelError, OutOfLimits, UnknownName
+from holonom.mobile.base import WheelBase
+from holonom.mobile.coupling import Coupling
+from holonom.mobile.slip import SlipSettings, slip_params
+from holonom.signals import Event
+from holonom.sim.base_floor import Floor
+from holonom.sim.base_log import BaseLog, log_of
+from holonom.sim.base_loop import LoopParams, SensorParams, run_loop
+from holonom.sim.base_paths import ReferencePath
+from holonom.sim.base_plant import FAULTS, TICK, BaseDrive, BasePlant
+from holonom.sim.base_records import BODY_SAMPLE, WHEEL_SAMPLE
+
+__all__ = ["BaseFault", "BaseSensors", "BaseSettings", "simulate_base"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class BaseSensors:
+    """Noise of a base's sensors; encoders quantise by themselves.
+
+    Attributes
+    ----------
+    gyro_noise, gyro_bias
+        Standard deviation of a 1 kHz sample, constant offset, rad/s.
+    accelerometer_noise, accelerometer_bias
+        The same, m/s^2, on both axes.
+    current_noise
+        Standard deviation of a shunt's sample, A.
+    """
+
+    gyro_noise: float = 2e-3
+    gyro_bias: float = 2e-4
+    accelerometer_noise: float = 0.05
+    accelerometer_bias: float = 0.02
+    current_noise: float = 0.03
+
+    def params(self) -> SensorParams:
+        """Params of the compiled loop."""
+        return SensorParams(
+            self.gyro_noise, self.gyro_bias, self.accelerometer_noise, self.accelerometer_bias, self.current_noise
+        )
+
+
+SLIP = SlipSettings(
+    noise=0.004,
+    rate_noise=0.004,
+    rate_bias=0.003,
+    max_acceleration=8.0,
+    max_angular_acceleration=150.0,
+    acceleration_error=0.5,
+    angular_acceleration_error=math.inf,
+    persistence=0.012,
+    confirmation=0.006,
+)
+"""Slip detection that leaves creep in peace; noise counts what a gripping wheel creeps."""
+
+
+@dataclass(frozen=True, slots=True)
+class BaseSettings:
+    """Controllers of a base; None switches traction control, slip detection or the watch over the motors off."""
+
+    keeping: KeepingSettings = KeepingSettings()
+    estimate: EstimateSettings = EstimateSettings()
+    traction: TractionSettings | None = TractionSettings()
+    slip: SlipSettings | None = SLIP
+    watch: WatchSettings | None = WatchSettings()
+    sensors: BaseSensors = BaseSensors()
+
+
+@dataclass(frozen=True, slots=True)
+class BaseFault:
+    """A motor that fails: time (s), wheel (name or index), "dead" (open winding, turns freely) or "blocked"."""
+
+    time: float
+    wheel: int | str
+    kind: str = "dead"
+
+    def __post_init__(self) -> None:
+        if self.kind not in FAULTS:
+            raise UnknownName("fault", self.kind, FAULTS)
+        if not 0.0 <= self.time < math.inf:
+            raise OutOfLimits(f"BaseFault: time is {self.time!r} s; it must be finite and at least 0")
+
+
+def simulate_base(
+    base: WheelBase,
+    drive: BaseDrive,
+    path: ReferencePath,
+    *,
+    floor: Floor = Floor(),
+    faults: Sequence[BaseFault] = (),
+    settings: BaseSettings = BaseSettings(),
+    rng: np.random.Generator,
+    substeps: int = 4,
+) -> BaseLog:
+    """Drive a base along a path; it starts where the path does.
+
+    Controller at 1 kHz: encoders, gyro, accelerometers and shunts; slip detection; watch over the motors; velocity
+    and pose by dead reckoning without the slipping wheel; path keeping; forces by the wheels that work; traction
+    control; speed loops. It is told of no fault and no patch. Plant at 1 kHz times `substeps`.
+
+    Parameters
+    ----------
+    base, drive, floor
+        What moves, what drives it, what it stands on.
+    path
+        Reference at 1 kHz.
+    faults
+        What breaks, and when.
+    settings
+        Controllers and sensors.
+    rng
+        Source of all noise: the same one gives the same bits.
+    substeps
+        Steps of the plant per millisecond.
+
+    Raises
+    ------
+    ModelError
+        A base that cannot be simulated (`BasePlant`), or that cannot move in all three directions.
+    UnknownName
+        A fault of a wheel that there is not.
+    """
+    plant = BasePlant(base, drive, floor, substeps=substeps)
+    if np.linalg.matrix_rank(plant.rows) < 3:
+        raise ModelError(f"base {base.name!r} cannot move in all directions; this path keeping needs one that can")
+    reference = np.ascontiguousarray(np.hstack([path.pose, path.twist, path.acceleration]), float)
+    n, m = len(reference), len(plant.driven)
+    plant.place(reference[0, :3], reference[0, 3:6])
+    table = sorted((round(f.time / TICK), plant.wheel_index(f.wheel), FAULTS[f.kind]) for f in faults)
+    body_log, wheel_log = np.zeros(n, BODY_SAMPLE), np.zeros((n, m), WHEEL_SAMPLE)
+    run_loop(
+        _loop_params(plant, settings),
+        settings.sensors.params(),
+        plant.body,
+        plant.state,
+        plant.wheels,
+        plant.states,
+        plant.support,
+        plant.floor,
+        plant.patches,
+        reference,
+        np.array(table, dtype=np.int64).reshape(-1, 3),
+        rng.standard_normal((n, 3 + m)),
+        body_log,
+        wheel_log,
+    )
+    events = [Event(f.time, "warning", "plant", _fault_text(f, plant)) for f in faults]
+    return log_of(TICK * np.arange(n), body_log, wheel_log, reference, base.driven, events)
+
+
+def _loop_params(plant: BasePlant, settings: BaseSettings) -> LoopParams:
+    base = plant.base
+    coupling = Coupling(plant.rows / [1.0, 1.0, base.radius], base.radius, base.alpha)
+    return LoopParams(
+        keeping=settings.keeping.params(TICK),
+        estimate=settings.estimate.params(TICK),
+        traction=(settings.traction or TractionSettings()).params(TICK),
+        watch=(settings.watch or WatchSettings()).params(TICK),
+        slip=slip_params(coupling, settings.slip or SLIP),
+        rows=np.ascontiguousarray(plant.rows),
+        mass=plant.mass,
+        inertia=plant.inertia,
+        detect=settings.slip is not None,
+        control_traction=settings.traction is not None,
+        compensate=settings.watch is not None,
+    )
+
+
+def _fault_text(fault: BaseFault, plant: BasePlant) -> str:
+    name = plant.base.driven[plant.wheel_index(fault.wheel)]
+    return f"the motor of {name} {'dies' if fault.kind == 'dead' else 'jams'}"
