@@ -1,1 +1,149 @@
-"""Mobile bases: wheels, what drives them, odometry and its calibration (specification 06)."""
+"""Mobile bases: wheels, what drives them, slip and failed motors, odometry and its calibration (specification 06).
+
+Twists are (vx, vy, w) in base_link, x forwards and y to the left; poses (x, y, theta) of base_link in the world.
+
+Wheels and bases
+    `Wheel`, `WheelBase`; arrangements by name: `differential`, `tricycle`, `ackermann`, `synchro`, `omni`, `mecanum`,
+    `swerve`, `sphere`; `mobility`, `is_holonomic`, `conflicting_wheels`; `centre_of_twist`, `centre_of_axles`.
+Standing and tipping over
+    `support_polygon`, `static_margin`, `zero_moment_point`, `dynamic_margin`, `acceleration_limit`, `lateral_limit`,
+    `turning_speed`, `wheel_loads`.
+Motion in the plane
+    `poses`: exact arcs, composition, twists in robot and world.
+Omni drives
+    `Coupling`, `rim_speeds`, `base_twist`, `wheel_forces`, `base_acceleration`; `idle_patterns`, `split_pattern`;
+    `effective_motors`, `force_envelope`, `acceleration_envelope`, `speed_envelope`, `critical_force`, `drive_limits`.
+Faults
+    `detect_slip` (status, wheel, twist without it); `redistribute`, `allocation`, `actuation`, `possible_twists` with
+    motors out.
+Odometry
+    `odometry`: wheel increments to motion, covariance, what is wrong with a log; `calibration`: UMBmark, least squares.
+"""
+
+from holonom.mobile import poses
+from holonom.mobile.arrangements import (
+    ARRANGEMENTS,
+    ackermann,
+    ackermann_steering,
+    arrangement,
+    differential,
+    mecanum,
+    omni,
+    sphere,
+    swerve,
+    synchro,
+    tricycle,
+)
+from holonom.mobile.base import WheelBase
+from holonom.mobile.centre import Centre, axle_miss, centre_of_axles, centre_of_twist
+from holonom.mobile.coupling import (
+    Coupling,
+    base_acceleration,
+    base_force,
+    base_twist,
+    omni_coupling,
+    rim_speeds,
+    wheel_forces,
+)
+from holonom.mobile.drive_limits import DriveLimits, drive_limits
+from holonom.mobile.envelopes import (
+    Envelope,
+    Limit,
+    acceleration_envelope,
+    critical_force,
+    effective_motors,
+    force_envelope,
+    speed_envelope,
+)
+from holonom.mobile.failed_motor import (
+    Actuation,
+    Reach,
+    Redistribution,
+    actuation,
+    allocation,
+    feasible_twist,
+    possible_twists,
+    redistribute,
+)
+from holonom.mobile.mobility import Mobility, conflicting_wheels, is_holonomic, mobility
+from holonom.mobile.patterns import PatternParts, copper_loss, idle_patterns, readable_patterns, split_pattern
+from holonom.mobile.slip import SlipReport, SlipSettings, SlipStatus, detect_slip, separable_wheels
+from holonom.mobile.stability import (
+    acceleration_limit,
+    dynamic_margin,
+    lateral_limit,
+    static_margin,
+    support_polygon,
+    turning_speed,
+    wheel_loads,
+    zero_moment_point,
+)
+from holonom.mobile.wheel import KINDS, Wheel
+
+__all__ = [
+    "ARRANGEMENTS",
+    "KINDS",
+    "Actuation",
+    "Centre",
+    "Coupling",
+    "DriveLimits",
+    "Envelope",
+    "Limit",
+    "Mobility",
+    "PatternParts",
+    "Reach",
+    "Redistribution",
+    "SlipReport",
+    "SlipSettings",
+    "SlipStatus",
+    "Wheel",
+    "WheelBase",
+    "acceleration_envelope",
+    "acceleration_limit",
+    "ackermann",
+    "ackermann_steering",
+    "actuation",
+    "allocation",
+    "arrangement",
+    "axle_miss",
+    "base_acceleration",
+    "base_force",
+    "base_twist",
+    "centre_of_axles",
+    "centre_of_twist",
+    "conflicting_wheels",
+    "copper_loss",
+    "critical_force",
+    "detect_slip",
+    "differential",
+    "drive_limits",
+    "dynamic_margin",
+    "effective_motors",
+    "feasible_twist",
+    "force_envelope",
+    "idle_patterns",
+    "is_holonomic",
+    "lateral_limit",
+    "mecanum",
+    "mobility",
+    "omni",
+    "omni_coupling",
+    "poses",
+    "possible_twists",
+    "readable_patterns",
+    "redistribute",
+    "rim_speeds",
+    "separable_wheels",
+    "speed_envelope",
+    "sphere",
+    "split_pattern",
+    "static_margin",
+    "support_polygon",
+    "swerve",
+    "synchro",
+    "tricycle",
+    "turning_speed",
+    "wheel_forces",
+    "wheel_loads",
+    "zero_moment_point",
+]

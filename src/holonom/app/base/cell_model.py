@@ -22,27 +22,14 @@ __all__ = [
     "PathTable",
 ]
 
-ARRANGEMENTS = {
-    "omni": ("angles", "radius"),
-    "mecanum": ("wheelbase", "track"),
-    "differential": ("track",),
-}
+ARRANGEMENTS = {"omni": ("angles", "radius"), "mecanum": ("wheelbase", "track")}
 """Arrangements of driven wheels, and the keys that each needs beside `wheel_radius`."""
-
-
-class Start(Section):
-    """Where the base stands at the start."""
-
-    position: Vector2
-    """x and y of its centre in the world"""
-    angle: Angle
-    """its heading"""
 
 
 class BaseTable(Section):
     """The base and its wheels; x forwards, y to the left."""
 
-    arrangement: Literal["omni", "mecanum", "differential"]
+    arrangement: Literal["omni", "mecanum"]
     """how the wheels stand"""
     angles: Annotated[tuple[Angle, ...], Field(min_length=3)] | None = None
     """omni: where each motor axis points, counter-clockwise from x"""
@@ -51,7 +38,7 @@ class BaseTable(Section):
     wheelbase: Size | None = None
     """mecanum: distance of front and rear axle"""
     track: Size | None = None
-    """mecanum, differential: distance of left and right wheels"""
+    """mecanum: distance of left and right wheels"""
     wheel_radius: Size
     """radius of the wheels"""
     wheels: tuple[Text, ...] | None = None
@@ -62,8 +49,6 @@ class BaseTable(Section):
     """alpha of the moment of inertia alpha M R2: 0.5 for a disc, 1 for a ring"""
     height: Annotated[float, Quantity("length", "0mm", "5m")]
     """height of the centre of mass"""
-    start: Start | None = None
-    """where it stands at the start; at the start of the path unless given"""
 
     @model_validator(mode="after")
     def _keys_of_the_arrangement(self) -> BaseTable:
@@ -74,6 +59,9 @@ class BaseTable(Section):
         if missing or spare:
             wrong = [f"{key} is missing" for key in missing] + [f"{key} came" for key in spare]
             raise CellError(f"{', '.join(wrong)}; arrangement {self.arrangement!r} takes {' and '.join(needed)}")
+        count = len(self.angles) if self.angles is not None else 4
+        if self.wheels is not None and (len(self.wheels) != count or len(set(self.wheels)) != count):
+            raise CellError(f"{len(self.wheels)} names of wheels came; {count} different ones are needed")
         return self
 
 
@@ -160,22 +148,33 @@ class FloorTable(Section):
 
 
 class PathTable(Section):
-    """The path that the base is to drive."""
+    """The path that the base is to drive, from rest to rest."""
 
-    shape: Literal["figure_of_eight", "circle", "square"]
+    shape: Literal["figure_of_eight", "circle", "rounded_square", "waypoints"]
     """its form"""
-    size: tuple[Size, Size]
-    """extent along x and y"""
-    centre: Vector2 = (0.0, 0.0)
-    """its middle in the world"""
+    size: Size | None = None
+    """its length; of waypoints none"""
+    points: Annotated[tuple[Vector2, ...], Field(min_length=2)] | None = None
+    """waypoints: the places that it goes through; closed where the last is the first"""
+    origin: Vector2 = (0.0, 0.0)
+    """where it lies: middle of the eight, start of the circle, middle of the square's lower side"""
     speed: Annotated[float, Quantity("speed", "1mm/s", "20m/s")]
     """greatest speed on it"""
     acceleration: Annotated[float, Quantity("acceleration", "1mm/s2", "100m/s2")]
     """greatest acceleration on it, along and across together"""
     laps: Count = 1
     """times around"""
-    heading: Literal["fixed", "tangent", "turning"] = "fixed"
+    heading: Literal["fixed", "tangent", "rotating"] = "fixed"
     """where the base looks: always the same way, along the path, or once around per lap"""
+    angle: Angle = 0.0
+    """its heading at the start; against the path where it looks along it"""
+
+    @model_validator(mode="after")
+    def _size_or_points(self) -> PathTable:
+        wanted, other = ("points", "size") if self.shape == "waypoints" else ("size", "points")
+        if getattr(self, wanted) is None or getattr(self, other) is not None:
+            raise CellError(f"shape {self.shape!r} takes {wanted} and no {other}")
+        return self
 
 
 class Fault(Section):
@@ -184,7 +183,7 @@ class Fault(Section):
     time: Annotated[float, Quantity("time", "0ms", "1440min")]
     """when"""
     kind: Literal["motor_dead", "motor_blocked"]
-    """a motor without current whose wheel turns freely, or one that is jammed"""
+    """a motor without current, whose wheel turns freely, or one that is jammed"""
     wheel: Text
     """name of the driven wheel"""
 

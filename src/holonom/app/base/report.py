@@ -1,0 +1,195 @@
+"""The report of a base: map, faults and what was found of them, polar plots, curves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.app.base.assembly import BaseJob
+from holonom.app.base.outcome import DeadMotor, PathError, SlipEpisode
+from holonom.app.base.scene import build_scene, patch_corners
+from holonom.app.recording import read_recording
+from holonom.app.report import (
+    Curve,
+    Figures,
+    LimitUse,
+    MapLine,
+    MapMark,
+    MapPatch,
+    Outcome,
+    Polar,
+    PolarLine,
+    Table,
+    TopView,
+    write_report,
+)
+from holonom.mobile import Envelope, SlipStatus, acceleration_envelope, drive_limits, effective_motors, speed_envelope
+from holonom.sim import BaseLog
+
+__all__ = ["Findings", "write_base_report"]
+
+Array = NDArray[np.float64]
+
+REFERENCE, TRUE, BELIEVED, BARE = "#94a3b8", "#0f766e", "#5f3dc4", "#d9480f"
+INTACT, DEAD = "#0b7285", "#d9480f"
+PATCH, MARK = "#bfe3f5", "#b3261e"
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """What came of a run, and of the same run without any handling of faults."""
+
+    log: BaseLog
+    bare: BaseLog
+    slips: Sequence[SlipEpisode]
+    dead: Sequence[DeadMotor]
+    errors: Sequence[PathError]
+    bare_errors: Sequence[PathError]
+
+
+def write_base_report(path: Path, job: BaseJob, found: Findings, recording: Path, facts: dict[str, str]) -> None:
+    """Write the report beside its recording."""
+    cell, log = job.cell, found.log
+    worst = found.errors[0].peak
+    write_report(
+        path,
+        read_recording(recording),
+        build_scene(cell, job.base, log.reference_pose[:, :2]),
+        title=cell.cell.name,
+        subtitle=cell.cell.description,
+        outcome=Outcome(True, f"path driven, at most {1e3 * worst:.0f} mm off"),
+        facts=facts,
+        curves=_curves(log, found.bare),
+        figures=[_map(job, found), _faults(found), _polar(job, found)],
+        limits=_limits(job, log),
+    )
+
+
+def _map(job: BaseJob, found: Findings) -> Figures:
+    log, bare = found.log, found.bare
+    lines = [
+        MapLine("reference", log.reference_pose[:, :2], REFERENCE, dashed=True),
+        MapLine("without handling of faults", bare.pose[:, :2], BARE),
+        MapLine("where the controller believed to be", log.estimated_pose[:, :2], BELIEVED),
+        MapLine("driven", log.pose[:, :2], TRUE),
+    ]
+    marks = [MapMark(f"{slip.wheel} slips", _place(log, slip.start), MARK) for slip in found.slips]
+    marks += [MapMark(f"motor of {motor.wheel} {motor.kind}", _place(log, motor.time), MARK) for motor in found.dead]
+    patches = [MapPatch(patch.name, patch_corners(patch), PATCH) for patch in job.cell.floor.patches]
+    table = Table(
+        ("phase", "from", "to", "rms", "peak", "heading, peak", "peak without handling"),
+        [
+            (
+                error.phase,
+                f"{error.start:.2f} s",
+                f"{error.end:.2f} s",
+                f"{1e3 * error.rms:.1f} mm",
+                f"{1e3 * error.peak:.1f} mm",
+                f"{np.degrees(error.heading):.1f}°",
+                f"{1e3 * other.peak:.1f} mm",
+            )
+            for error, other in zip(found.errors, found.bare_errors, strict=True)
+        ],
+    )
+    note = "Distance from where the reference is at the same instant, of the true pose."
+    return Figures("path", "Path", [TopView("seen from above", lines, patches, marks), table], note)
+
+
+def _place(log: BaseLog, time: float) -> tuple[float, float]:
+    k = min(int(np.searchsorted(log.time, time)), len(log.time) - 1)
+    return float(log.pose[k, 0]), float(log.pose[k, 1])
+
+
+def _faults(found: Findings) -> Figures:
+    rows = [
+        (
+            f"{slip.wheel} slips, up to {slip.peak:.2f} m/s",
+            f"{slip.start:.3f} s",
+            "not found" if slip.detected is None else f"{slip.detected:.3f} s",
+            "" if slip.delay is None else f"{1e3 * slip.delay:.0f} ms",
+            " and ".join(slip.named) or ("ambiguous" if slip.detected is not None else ""),
+        )
+        for slip in found.slips
+    ]
+    rows += [
+        (
+            f"motor of {motor.wheel} {motor.kind}",
+            f"{motor.time:.3f} s",
+            "not found" if motor.detected is None else f"{motor.detected:.3f} s",
+            "" if motor.detected is None else f"{1e3 * (motor.detected - motor.time):.0f} ms",
+            motor.wheel if motor.detected is not None else "",
+        )
+        for motor in found.dead
+    ]
+    table = Table(("what happened", "since", "found at", "after", "named"), rows)
+    note = "The controller knows encoders, motor currents, gyro and accelerometers only; it is told of no fault."
+    return Figures("faults", "Faults, and what was found of them", [table], note)
+
+
+def _polar(job: BaseJob, found: Findings) -> Figures:
+    directions = np.linspace(0.0, 2.0 * np.pi, 181)
+    out = [found.log.wheels.index(motor.wheel) for motor in found.dead]
+    base = job.base
+    limits = drive_limits(base, job.drive.motor, job.drive.gear, job.floor.material.peak)
+
+    def plot(title: str, unit: str, values: Array, without: Array | None) -> Polar:
+        lines = [PolarLine("all motors", directions, values, INTACT)]
+        if without is not None:
+            names = " and ".join(motor.wheel for motor in found.dead)
+            lines.append(PolarLine(f"without {names}", directions, without, DEAD))
+        return Polar(title, unit, lines)
+
+    def value(envelope: Envelope) -> Array:
+        return envelope.value
+
+    motors = effective_motors(base, directions)
+    acceleration = value(acceleration_envelope(base, directions, limits))
+    speed = value(speed_envelope(base, directions, limits))
+    figures = [
+        plot("effective motors", "", motors, effective_motors(base, directions, out=out) if out else None),
+        plot(
+            "largest acceleration", "m/s²", acceleration,
+            value(acceleration_envelope(base, directions, limits, out=out)) if out else None,
+        ),
+        plot("largest speed", "m/s", speed, value(speed_envelope(base, directions, limits, out=out)) if out else None),
+    ]  # fmt: skip
+    note = "By direction of travel in the robot frame, without turning: what motors and floor can give."
+    return Figures("polar", "What the drive can do", figures, note)
+
+
+def _curves(log: BaseLog, bare: BaseLog) -> list[Curve]:
+    names, t = log.wheels, log.time
+    error = 1e3 * np.stack([log.path_error, bare.path_error], axis=1)
+    status = np.stack([log.status == SlipStatus.SLIP, log.status == SlipStatus.AMBIGUOUS, log.dead.any(axis=1)], axis=1)
+    return [
+        Curve("path_error", "Path error", "mm", t, error, ("handled", "without handling")),
+        Curve("residual", "Rim speed that no twist explains", "m/s", t, log.residuals, names),
+        Curve("slip", "Slip, true", "m/s", t, log.slip, names),
+        Curve(
+            "status", "What the controller found", "", t, status.astype(float), ("slip, named", "slip", "dead motor")
+        ),
+        Curve("force", "Driving force", "N", t, log.forces, names),
+        Curve("speed", "Wheel speed", "rad/s", t, log.wheel_speeds, names),
+        Curve("current", "Motor current", "A", t, log.currents, names),
+        Curve("voltage", "Motor voltage", "V", t, log.voltages, names),
+    ]
+
+
+def _limits(job: BaseJob, log: BaseLog) -> list[LimitUse]:
+    motor, gear = job.drive.motor, job.drive.gear
+    count = len(log.wheels)
+
+    def use(name: str, unit: str, values: Array, limit: float) -> LimitUse:
+        return LimitUse(name, unit, np.abs(values).max(axis=0), np.full(count, limit))
+
+    grip = np.abs(log.forces) / np.maximum(log.friction_limits, 1e-9)
+    return [
+        use("Wheel speed", "rad/s", log.wheel_speeds, motor.no_load_speed / abs(gear.ratio)),
+        use("Motor current", "A", log.currents, motor.max_current),
+        use("Motor voltage", "V", log.voltages, motor.max_voltage),
+        use("Share of the friction limit", "", grip, 1.0),
+    ]

@@ -1,0 +1,138 @@
+"""Numbers out of a CSV file, strictly: every fault with file, line and column."""
+
+from __future__ import annotations
+
+import gzip
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.errors import LogError
+
+__all__ = ["Table", "read_table", "read_text"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Columns of numbers: `values` (N, k), their `names` (k,), where they came from."""
+
+    path: Path
+    names: tuple[str, ...]
+    values: Array
+    lines: Sequence[int]
+
+    def column(self, name: str) -> Array:
+        """(N,) of a name that is there."""
+        return self.values[:, self.names.index(name)]
+
+    def fault(self, row: int, name: str, text: str) -> NoReturn:
+        """Refuse the file because of one value.
+
+        Raises
+        ------
+        LogError
+        """
+        column = self.names.index(name)
+        raise LogError(f"{self.path}:{self.lines[row]}: column {column + 1} ({name}): {text}")
+
+
+def read_text(path: Path) -> str:
+    """Text of a file, unpacked if its name ends in .gz.
+
+    Raises
+    ------
+    LogError
+        It cannot be read, unpacked or is no UTF-8 text.
+    """
+    try:
+        raw = path.read_bytes()
+        return (gzip.decompress(raw) if path.suffix == ".gz" else raw).decode("utf-8-sig")
+    except FileNotFoundError:
+        raise LogError(f"{path}: there is no such file; give the path of a log") from None
+    except UnicodeDecodeError:
+        raise LogError(f"{path}: not UTF-8 text; save the log as CSV in UTF-8") from None
+    except (OSError, EOFError) as error:
+        raise LogError(f"{path}: cannot be read ({error}); give another copy of the log") from None
+
+
+def read_table(path: Path, names: Sequence[str] | None = None) -> Table:
+    """Read a CSV file of finite numbers, separated by commas.
+
+    Parameters
+    ----------
+    path : the file, packed or not.
+    names : of its columns if it has no header; otherwise they are its first line.
+
+    Raises
+    ------
+    LogError
+        File, line and column of what is no finite number, of rows that are too long or too short, an empty file.
+    """
+    text = read_text(path)
+    lines = [number for number, line in enumerate(text.splitlines(), start=1) if line.strip()]
+    body = text
+    if names is None:
+        if not lines:
+            raise LogError(f"{path}:1: the file is empty; a header line and two samples or more are expected")
+        header = text.splitlines()[lines[0] - 1]
+        names, lines = [name.strip() for name in header.split(",")], lines[1:]
+        body = "\n".join(text.splitlines()[lines[0] - 1 :]) if lines else ""
+        _check_header(path, names)
+    if len(lines) < 2:
+        raise LogError(f"{path}:1: {len(lines)} samples; two or more are expected: the run was not recorded")
+    values = _numbers(path, text, body, lines, names)
+    table = Table(path, tuple(names), values, lines)
+    bad = np.argwhere(~np.isfinite(values))
+    if len(bad):
+        row, column = bad[0]
+        table.fault(int(row), names[column], f"{values[row, column]} came; a finite number is expected: repair or cut it")
+    return table
+
+
+def _check_header(path: Path, names: Sequence[str]) -> None:
+    seen: set[str] = set()
+    for column, name in enumerate(names, start=1):
+        if not name or _is_number(name):
+            raise LogError(f"{path}:1: column {column}: {name!r} is no name; the first line names the columns")
+        if name in seen:
+            raise LogError(f"{path}:1: column {column}: there are two columns {name!r}; name each once")
+        seen.add(name)
+
+
+def _numbers(path: Path, text: str, body: str, lines: Sequence[int], names: Sequence[str]) -> Array:
+    try:
+        values = np.loadtxt(io.StringIO(body), delimiter=",", ndmin=2, comments=None)
+    except ValueError:
+        _find_fault(path, text, lines, names)
+    if values.shape != (len(lines), len(names)):
+        _find_fault(path, text, lines, names)
+    return values
+
+
+def _find_fault(path: Path, text: str, lines: Sequence[int], names: Sequence[str]) -> NoReturn:
+    rows = text.splitlines()
+    for number in lines:
+        cells = rows[number - 1].split(",")
+        if len(cells) != len(names):
+            raise LogError(
+                f"{path}:{number}: {len(cells)} columns; {len(names)} are expected: {', '.join(names)}"
+            )
+        for column, (cell, name) in enumerate(zip(cells, names, strict=True), start=1):
+            if not _is_number(cell):
+                raise LogError(f"{path}:{number}: column {column} ({name}): {cell.strip()!r} is no number; repair or cut it")
+    raise LogError(f"{path}: not a table of numbers; separate columns with commas, samples with line ends")
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
