@@ -206,21 +206,16 @@ class WheelBase:
         if not self.steered:
             self._angles(steering)
             twists = samples("twist", twist, 3)
-            speeds, dragged = self._apply(twists, self._inverse.T, out), self._worst_drag(twists)
+            speeds, dragged = self._apply(twists, self._inverse.T, out), twists @ self._sideways.T
         else:
             if steering is None and any(x < math.pi / 2 for x in self._max_steering):
                 steering = self.steering(twist)
             given = (twist,) if steering is None else (twist, steering)
             name = "free_wheel_speeds" if steering is None else "wheel_speeds"
             speeds, dragged = self.equation(name)(*given, out=out, threads=threads)
-        if dragged.max(initial=0.0) > tolerance:
-            self._refuse(twist, steering, dragged)
+        if max(dragged.max(initial=0.0), -dragged.min(initial=0.0)) > tolerance:
+            self._refuse(twist, steering, np.abs(dragged).max(axis=-1, keepdims=True))
         return speeds
-
-    def _worst_drag(self, twists: Array) -> Array:
-        if not self.sliding_names:
-            return np.zeros(1)
-        return np.abs(twists @ self._sideways.T).max(axis=-1, keepdims=True)
 
     def _refuse(self, twist: ArrayLike, steering: ArrayLike | None, dragged: Array) -> None:
         row = np.unravel_index(int(dragged[..., 0].argmax()), dragged.shape[:-1])
@@ -255,7 +250,8 @@ class WheelBase:
         if not self.steered:
             self._angles(steering)
             return self._apply(samples("speeds", speeds, len(self.driven)), self._forward.T, out)
-        found, determined = self.equation("twist")(speeds, self._angles(steering), out=out, threads=threads)
+        angles = np.zeros(len(self.steered)) if steering is None else steering
+        found, determined = self.equation("twist")(speeds, angles, out=out, threads=threads)
         if determined.min(initial=1.0) < DETERMINED:
             raise self._undetermined()
         return found
