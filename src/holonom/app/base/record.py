@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
 from holonom.app.base.assembly import BaseJob
@@ -47,7 +47,7 @@ def record_log(path: Path, job: BaseJob, log: BaseLog) -> None:
         The file cannot be written.
     """
     records = [*_samples(job, log), *log.events]
-    records += _signal(log.time, np.asarray(log.status != SlipStatus.NO_SLIP), SLIP_SIGNAL)
+    records += _signal(log.time, log.status != SlipStatus.NO_SLIP, SLIP_SIGNAL)
     records += _signal(log.time, log.dead.any(axis=1), DEAD_SIGNAL)
     with Recorder(path, log.wheels, tool="base_link") as recorder:
         for record in sorted(records, key=lambda record: record.time):
@@ -74,6 +74,6 @@ def _samples(job: BaseJob, log: BaseLog) -> Iterator[Record]:
         yield FramePoses(t, frames, np.concatenate([T[None], wheel_poses(job.base, T, angles[k])]))
 
 
-def _signal(time: Array, on: NDArray[np.bool_], number: int) -> list[Signal]:
-    changes = np.flatnonzero(np.diff(on)) + 1
-    return [Signal(float(time[k]), number, bool(on[k])) for k in changes]
+def _signal(time: Array, on: ArrayLike, number: int) -> list[Signal]:
+    states = np.asarray(on, dtype=bool)
+    return [Signal(float(time[k]), number, bool(states[k])) for k in np.flatnonzero(np.diff(states)) + 1]

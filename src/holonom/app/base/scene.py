@@ -32,7 +32,7 @@ def build_scene(cell: BaseCell, base: WheelBase, path: Array) -> Scene:
     shapes += _body(base)
     for frame, wheel in zip(wheel_frames(base), _driven(base), strict=True):
         shapes += _wheel(frame, wheel)
-    return Scene(tuple(shapes), _views(extent), tool="base_link", trail=1e3, extent=extent)
+    return Scene(tuple(shapes), _views(extent, base.radius), tool="base_link", trail=1e3, extent=extent)
 
 
 def wheel_frames(base: WheelBase) -> tuple[str, ...]:
@@ -102,10 +102,10 @@ def _patch_shapes(patch: Patch) -> list[Shape]:
     return [Box("world", T, (*patch.size, 0.006), "#bfe3f5"), label]
 
 
-def _views(extent: float) -> tuple[View, ...]:
-    e = extent
+def _views(extent: float, radius: float) -> tuple[View, ...]:
+    e, r = extent, radius
     return (
-        View("Overview", (0.05 * e, -2.1 * e, 1.7 * e), (0.0, -0.12 * e, 0.0)),
-        View("From above", (0.0, -0.01, 2.9 * e), (0.0, 0.0, 0.0)),
-        View("Low", (-1.2 * e, -1.1 * e, 0.45 * e), (0.1 * e, 0.0, 0.0)),
+        View("Overview", (0.05 * e, -1.7 * e, 1.15 * e), (0.0, -0.12 * e, 0.0)),
+        View("Beside it", (-5.0 * r, -5.0 * r, 3.5 * r), (0.0, 0.0, 0.3 * r), follow="base_link"),
+        View("From above", (0.0, -0.01, 2.6 * e), (0.0, 0.0, 0.0)),
     )

@@ -71,11 +71,15 @@ Shape = Tube | Box | Disc | Label
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """A camera of the replay at `eye` that looks at `target`, both in world."""
+    """A camera of the replay at `eye` that looks at `target`, both in world.
+
+    With `follow`, the name of a frame, both are given from that frame's origin and go along with it, without turning.
+    """
 
     name: str
     eye: Point
     target: Point
+    follow: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -221,6 +221,19 @@ class Stage {
   look(view) {
     this.camera.position.set(...view.eye);
     this.orbit.target.set(...view.target);
+    this.followed = view.follow ? this.tracks.get(view.follow) : null;
+    this.at = new vendor.Vector3();
+    this.goAlong();
+    this.orbit.update();
+  }
+
+  /** Move camera and target as far as the followed frame went. */
+  goAlong() {
+    if (!this.followed) return;
+    const way = this.followed.group.position.clone().sub(this.at);
+    this.at.copy(this.followed.group.position);
+    this.camera.position.add(way);
+    this.orbit.target.add(way);
     this.orbit.update();
   }
 
@@ -236,6 +249,7 @@ class Stage {
   place(time) {
     const row = time * data.scene.rate;
     for (const track of this.tracks.values()) track.place(row);
+    this.goAlong();
     if (this.trail) {
       const first = Math.max(0, Math.floor(row - data.scene.trail * data.scene.rate));
       this.trail.geometry.setDrawRange(first, Math.floor(row) - first + 1);
