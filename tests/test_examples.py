@@ -15,7 +15,7 @@ CELLS = sorted(path.parent.name for path in EXAMPLES.glob("*/cell.toml"))
 
 
 def test_there_are_examples() -> None:
-    assert CELLS[:2] == ["01_sort_coins", "02_straight_lines"]
+    assert CELLS[:3] == ["01_sort_coins", "02_straight_lines", "03_soccer_robot"]
 
 
 @pytest.mark.parametrize("name", CELLS)
