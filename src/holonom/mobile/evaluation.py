@@ -13,7 +13,7 @@ from holonom.errors import ShapeError
 from holonom.trace import Kernel, compile
 from holonom.trace.arrays import ArrayEquation, on_arrays
 
-__all__ = ["BaseEquation", "samples", "written"]
+__all__ = ["BaseEquation", "product", "samples", "written"]
 
 Array = NDArray[np.float64]
 COMPILE_FROM = 512
@@ -50,6 +50,14 @@ def written(result: Array, out: Array | None) -> Array:
         raise ShapeError(f"out= must be a float64 array of shape {result.shape}; {came} came")
     out[...] = result
     return out
+
+
+def product(rows: Array, matrix: Array, out: Array | None) -> Array:
+    """`rows @ matrix`, in `out` where that is given."""
+    if isinstance(out, np.ndarray) and out.dtype == np.float64 and out.shape == (*rows.shape[:-1], matrix.shape[1]):
+        np.matmul(rows, matrix, out=out)
+        return out
+    return written(rows @ matrix, out)
 
 
 class BaseEquation:

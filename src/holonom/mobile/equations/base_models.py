@@ -102,9 +102,9 @@ def _course(
     if current is not None or limited:  # the half turn that is nearest
         back = less(p, 0.0)
         p, q = select(back, -p, p), select(back, -q, q)
-    speed = sqrt(p * p + q * q)
-    moving = less(STANDSTILL, speed)
-    p, q, speed = select(moving, p, 1.0), select(moving, q, 0.0), select(moving, speed, 1.0)
+    square = p * p + q * q
+    moving = less(STANDSTILL * STANDSTILL, square)
+    p, q, speed = select(moving, p, 1.0), select(moving, q, 0.0), sqrt(select(moving, square, 1.0))
     s, c = q / speed, p / speed
     angle = atan2(q, p)
     return (angle if current is None else current + angle), (s * start[1] + c * start[0], c * start[1] - s * start[0])
@@ -137,7 +137,7 @@ def _common(along: Row, across: Row, *, flip: bool) -> tuple[Row, Row]:
 def twist_of_speeds(layout: Layout, speeds: Row, axles: Sequence[Axle]) -> tuple[Row, Number]:
     """Forward model: the twist that fits rolling and sliding rows best (least squares in m/s, w scaled by the radius).
 
-    Also how well it is determined: determinant of the normal matrix over the cube of its mean eigenvalue, 1 at best.
+    Also how well it is determined: determinant of the normal matrix over the cube of a third of its usual trace.
     """
     normal: list[Row] = [[0.0, 0.0, 0.0] for _ in range(3)]
     right: Row = [0.0, 0.0, 0.0]
@@ -153,8 +153,16 @@ def twist_of_speeds(layout: Layout, speeds: Row, axles: Sequence[Axle]) -> tuple
         for row in _upright(wheel, scale) if _both(wheel) else rows:
             normal = [[n + row[i] * row[j] for j, n in enumerate(line)] for i, line in enumerate(normal)]
     solution, determinant = _solve(normal, right)
-    mean = (normal[0][0] + normal[1][1] + normal[2][2]) / 3.0
-    return _times(solution, scale), determinant / (mean * mean * mean)
+    return _times(solution, scale), determinant * _usual_trace(layout) ** -3
+
+
+def _usual_trace(layout: Layout) -> float:
+    """A third of the trace of the normal matrix if each row is a unit vector with a moment of l / radius."""
+    rows = [
+        (w, len(KINDS[w.kind].rolling(w, 0.0, 1.0)) * w.driven + len(KINDS[w.kind].sliding(w, 0.0, 1.0)))
+        for w in layout.wheels
+    ]
+    return sum(n * (1.0 + (w.l / layout.radius) ** 2) for w, n in rows) / 3.0
 
 
 def _both(wheel: Wheel) -> bool:
