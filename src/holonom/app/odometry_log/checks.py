@@ -38,7 +38,9 @@ def check_time(table: Table, *, allow_gaps: bool) -> tuple[str, ...]:
     steps = np.diff(time)
     if np.any(steps <= 0.0):
         row = int(np.argmax(steps <= 0.0)) + 1
-        table.fault(row, "time", f"{time[row]:g} s after {time[row - 1]:g} s; time must grow: sort the log or cut it there")
+        table.fault(
+            row, "time", f"{time[row]:g} s after {time[row - 1]:g} s; time must grow: sort the log or cut it there"
+        )
     gaps = np.flatnonzero(find_gaps(time))
     if not len(gaps):
         return ()
@@ -46,7 +48,9 @@ def check_time(table: Table, *, allow_gaps: bool) -> tuple[str, ...]:
     text = f"{len(gaps)} gap(s) up to {longest:g} s, samples come every {np.median(steps):g} s"
     if not allow_gaps:
         table.fault(
-            first, "time", f"{text}: wheels went on unseen; cut the run at the gap, or allow gaps if the counters went on"
+            first,
+            "time",
+            f"{text}: wheels went on unseen; cut the run at the gap, or allow gaps if the counters went on",
         )
     return (f"{table.path}:{table.lines[first]}: {text}; allowed",)
 
@@ -67,16 +71,12 @@ def check_motion(table: Table, run: Run, parameters: DriveParameters, wheels: Se
     """
     M = parameters.matrix(parameters.nominal)
     _check_steering(table, run)
-    _check_rims(table, run, wheels, float(np.hypot(M[0], M[1]).max()) * M.shape[1] / _freedom(M))
+    diameters = [v for n, v in zip(parameters.names, parameters.nominal, strict=True) if n.startswith("diameter")]
+    _check_rims(table, run, wheels, 0.5 * max(diameters))
     if len(run.truth):
         _check_truth(table, run)
         _check_order(table, run, M, wheels)
         _check_story(table, run, M)
-
-
-def _freedom(M: Array) -> float:
-    """Times that the gain of one wheel is below its rim's way: wheels share the motion."""
-    return float(M.shape[1])
 
 
 def _check_steering(table: Table, run: Run) -> None:
@@ -91,9 +91,9 @@ def _check_steering(table: Table, run: Run) -> None:
     table.fault(row, "steering", f"{run.steering[row, 0]:.4g} rad came; -pi to pi is allowed: degrees instead of rad?")
 
 
-def _check_rims(table: Table, run: Run, wheels: Sequence[str], gain: float) -> None:
+def _check_rims(table: Table, run: Run, wheels: Sequence[str], radius: float) -> None:
     dt = np.diff(run.time)
-    speed = np.abs(run.turns[1:]) * gain / dt[:, None]
+    speed = np.abs(run.turns[1:]) * radius / dt[:, None]
     if speed.max() <= FASTEST:
         return
     row, wheel = np.unravel_index(int(np.argmax(speed)), speed.shape)

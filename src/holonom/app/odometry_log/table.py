@@ -92,7 +92,9 @@ def read_table(path: Path, names: Sequence[str] | None = None) -> Table:
     bad = np.argwhere(~np.isfinite(values))
     if len(bad):
         row, column = bad[0]
-        table.fault(int(row), names[column], f"{values[row, column]} came; a finite number is expected: repair or cut it")
+        table.fault(
+            int(row), names[column], f"{values[row, column]} came; a finite number is expected: repair or cut it"
+        )
     return table
 
 
@@ -121,12 +123,12 @@ def _find_fault(path: Path, text: str, lines: Sequence[int], names: Sequence[str
     for number in lines:
         cells = rows[number - 1].split(",")
         if len(cells) != len(names):
-            raise LogError(
-                f"{path}:{number}: {len(cells)} columns; {len(names)} are expected: {', '.join(names)}"
-            )
+            raise LogError(f"{path}:{number}: {len(cells)} columns; {len(names)} are expected: {', '.join(names)}")
         for column, (cell, name) in enumerate(zip(cells, names, strict=True), start=1):
             if not _is_number(cell):
-                raise LogError(f"{path}:{number}: column {column} ({name}): {cell.strip()!r} is no number; repair or cut it")
+                raise LogError(
+                    f"{path}:{number}: column {column} ({name}): {cell.strip()!r} is no number; repair or cut it"
+                )
     raise LogError(f"{path}: not a table of numbers; separate columns with commas, samples with line ends")
 
 

@@ -4,6 +4,7 @@
 `Run`                   one run: time, wheel turns, steering, truth
 `umbmark`               UMBmark: squares both ways round, for differential drives; a `UMBmark`
 `calibrate`             least squares from any trajectories; a `Calibration`
+`held_out_errors`       what such a calibration is worth on a run it has not seen
 `DRIVES`, `SETS`        what can be calibrated: drives with their parameters, sets of these
 `drive_parameters`      a set and the motion matrix it makes, as `DriveParameters`
 `wheels_of`             wheels and steered wheels of a drive, in the order of the columns
@@ -12,7 +13,7 @@
 ======================  ====================================================================
 """
 
-from holonom.mobile.calibration.least_squares import Calibration, calibrate
+from holonom.mobile.calibration.least_squares import Calibration, calibrate, held_out_errors
 from holonom.mobile.calibration.parameters import DRIVES, SETS, DriveParameters, drive_parameters, wheels_of
 from holonom.mobile.calibration.runs import PathErrors, Run, dead_reckoning, path_errors
 from holonom.mobile.calibration.umbmark import UMBmark, umbmark
@@ -28,6 +29,7 @@ __all__ = [
     "calibrate",
     "dead_reckoning",
     "drive_parameters",
+    "held_out_errors",
     "path_errors",
     "umbmark",
     "wheels_of",

@@ -15,9 +15,11 @@ from holonom.mobile.calibration.residuals import Problem, path_lever
 from holonom.mobile.calibration.runs import PathErrors, Run, dead_reckoning, need_truth, path_errors
 from holonom.mobile.calibration.uncertainty import check_excitation, random_walk_covariance
 
-__all__ = ["Calibration", "calibrate"]
+__all__ = ["Calibration", "calibrate", "held_out_errors"]
 
 Array = NDArray[np.float64]
+
+EVALUATIONS = 60  # of the residuals; a determined problem takes about ten
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,12 +113,36 @@ def calibrate(
     )  # fmt: skip
 
 
+def held_out_errors(
+    runs: Sequence[Run], drive: str, nominal: Mapping[str, float], *, set_name: str = "physical", rule: str = "midpoint"
+) -> PathErrors:
+    """Errors of each run by a calibration from all the others: what a calibration is worth on a run it has not seen.
+
+    Parameters as for `calibrate`.
+
+    Raises
+    ------
+    CalibrationError
+        Fewer than three runs, or others that do not tell the parameters.
+    UnknownName, OutOfLimits, ShapeError
+    """
+    if len(runs) < 3:
+        raise CalibrationError(f"{len(runs)} run(s) came; leaving one out needs three or more")
+    paths = []
+    for k, run in enumerate(runs):
+        others = [*runs[:k], *runs[k + 1 :]]
+        found = calibrate(others, drive, nominal, set_name=set_name, rule=rule)
+        paths.append(dead_reckoning(run, found.matrix, rule))
+    return path_errors(runs, paths)
+
+
 def _solved(problem: Problem) -> Array:
     zero = np.zeros(len(problem.drive.names))
     check_excitation(problem.residuals(zero)[1], problem.drive)
     found = optimize.least_squares(
-        lambda x: problem.residuals(x)[0], zero, jac=lambda x: problem.residuals(x)[1], method="lm", xtol=1e-12
-    )
+        lambda x: problem.residuals(x)[0], zero, jac=lambda x: problem.residuals(x)[1], method="lm",
+        xtol=1e-10, ftol=1e-10, max_nfev=EVALUATIONS,
+    )  # fmt: skip
     x: Array = found.x
     return x
 

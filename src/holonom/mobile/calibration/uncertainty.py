@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 
 UNSEEN = 1e-7  # relative singular value below which a combination has no effect at all
 OPEN = 0.3  # standard deviation of a combination, relative to the parameters' scale, above which it is left open
+MOST = 4  # names in a message
 NAMED = 0.3  # share of a parameter in such a combination above which it is named
 
 ADVICE = {
@@ -103,14 +104,17 @@ def check_excitation(J: Array, drive: DriveParameters, covariance: Array | None 
         return np.asarray(s)
     share = np.abs(Vt[lost]).max(axis=0)
     named = [name for name, part in zip(drive.names, share, strict=True) if part > NAMED * share.max()]
-    todo = dict.fromkeys(_advice(name) for name in named)
-    way = "singly" if len(named) == 1 else "only in combination, or not at all"
-    raise CalibrationError(
-        f"the motion tells {', '.join(named)} {way}; to tell them, {'; '.join(todo)}; or calibrate the physical set, "
-        "or keep more parameters as they are"
-        if len(named) > 1
-        else f"the motion tells nothing about {named[0]}; to tell it, {'; '.join(todo)}"
-    )
+    raise CalibrationError(_open(named, drive.set))
+
+
+def _open(named: Sequence[str], set_name: str) -> str:
+    """What the motion leaves open, and what to do."""
+    todo = "; ".join(dict.fromkeys(_advice(name) for name in named))
+    if len(named) == 1:
+        return f"the motion tells nothing of {named[0]}: {todo}"
+    shown = ", ".join(named[:MOST]) + (f" and {len(named) - MOST} more" if len(named) > MOST else "")
+    instead = ", or calibrate the physical set" if set_name != "physical" else ""
+    return f"the motion does not tell {shown} apart: {todo}{instead}"
 
 
 def _advice(name: str) -> str:

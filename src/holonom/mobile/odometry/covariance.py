@@ -85,7 +85,8 @@ def integrate_with_covariance(
         P = np.zeros((3, 3)) if covariance is None else np.asarray(covariance, dtype=np.float64).reshape(3, 3)
     except ValueError:
         raise ShapeError(
-            f"noise has shape {np.shape(noise)}, covariance {np.asarray(covariance).shape}; give ({len(rows)}, 3, 3) and (3, 3)"
+            f"noise has shape {np.shape(noise)}, covariance {np.asarray(covariance).shape}; "
+            f"give ({len(rows)}, 3, 3) and (3, 3)"
         ) from None
     poses, out = np.empty_like(rows), np.empty((len(rows), 3, 3))
     propagate_into(rows, Q, pose_of(start), P, share, exact, poses, out)

@@ -1,0 +1,250 @@
+"""`holonom calibrate odometry`: a base's geometry from logs of its wheels and the truth."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.app.answer import Answer
+from holonom.app.odometry_log import OdometryLog, read_log
+from holonom.app.output import prepare_output
+from holonom.errors import CalibrationError, UnknownName
+from holonom.mobile.calibration import (
+    DRIVES,
+    SETS,
+    Calibration,
+    PathErrors,
+    UMBmark,
+    calibrate,
+    dead_reckoning,
+    drive_parameters,
+    held_out_errors,
+    umbmark,
+)
+
+__all__ = ["FILE", "METHODS", "PICTURE", "calibrate_odometry"]
+
+Array = NDArray[np.float64]
+
+METHODS = ("least-squares", "umbmark")
+FILE, PICTURE = "odometry.json", "odometry.png"
+
+
+def calibrate_odometry(
+    paths: Sequence[Path],
+    *,
+    drive: str | None = None,
+    method: str = "least-squares",
+    parameters: str | None = None,
+    form: str = "x",
+    rule: str = "midpoint",
+    held_out: bool = False,
+    allow_gaps: bool = False,
+    output: Path | None = None,
+) -> Answer:
+    """Calibrate the odometry of a base from logs.
+
+    Parameters
+    ----------
+    paths : as `odometry_log.read_log` takes them.
+    drive : a key of `DRIVES`; that of the logs unless given.
+    method : one of `METHODS`.
+    parameters : for least squares, one of `SETS`; unless given the extended set where the motion tells it.
+    form : of UMBmark: "x", "y" or "mean".
+    rule : of integration, a key of `odometry.RULES`.
+    held_out : for least squares, also the errors of each run by a calibration from the others.
+    allow_gaps : let gaps in the logs pass with a note.
+    output : folder for `odometry.json` and a picture of the paths (if Matplotlib is there).
+
+    Raises
+    ------
+    InputError
+        Any fault of a log, or a motion that does not tell what is asked.
+    """
+    for kind, name, known in (("method", method, METHODS), ("set of parameters", parameters or SETS[0], SETS)):
+        if name not in known:
+            raise UnknownName(kind, name, known)
+    if drive is not None and drive not in DRIVES:
+        raise UnknownName("drive that can be calibrated", drive, DRIVES)
+    log = read_log(paths, drive=drive, allow_gaps=allow_gaps)
+    folder = None if output is None else prepare_output(output)
+    found = _umbmark(log, form, rule) if method == "umbmark" else _least_squares(log, parameters, rule)
+    if held_out and method == "least-squares":
+        errors = held_out_errors(log.runs, log.drive, log.nominal, set_name=found.data["set"], rule=rule)
+        found.data["errors_held_out"] = _errors(errors)
+    data = {"drive": log.drive, "method": method, "rule": rule, "runs": [run.name for run in log.runs], **found.data}
+    data["notes"] = [*log.notes, *found.notes]
+    if folder is not None:
+        (folder / FILE).write_text(json.dumps(data, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        _draw(log, found.matrix, rule, folder / PICTURE)
+    return Answer(_text(data), data)
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """What a method found: JSON values, the motion matrix, notes."""
+
+    data: dict[str, Any]
+    matrix: Array
+    notes: tuple[str, ...]
+
+
+def _umbmark(log: OdometryLog, form: str, rule: str) -> _Found:
+    if log.drive != "differential":
+        raise CalibrationError(f"UMBmark is for differential drives; for a {log.drive} use least-squares")
+    if log.side is None:
+        raise CalibrationError(
+            f"{log.source} states no side of a square, or sets of several sides came: UMBmark needs squares of one "
+            "side; state it (L in the metadata, side in the TOML file), give one set, or use least-squares"
+        )
+    result: UMBmark = umbmark(log.runs, log.nominal, log.side, form=form, rule=rule)
+    names = list(result.calibrated)
+    matrix = drive_parameters("differential", result.calibrated).matrix(np.array(list(result.calibrated.values())))
+    return _Found(
+        {
+            "form": form,
+            "side": result.side,
+            "nominal": dict(result.nominal),
+            "calibrated": dict(result.calibrated),
+            "deviations": {name: _number(result.deviations[name]) for name in names},
+            "E_b": result.E_b,
+            "E_d": result.E_d,
+            "alpha": result.alpha,
+            "beta": result.beta,
+            "clockwise": result.clockwise.tolist(),
+            "counterclockwise": result.counterclockwise.tolist(),
+            "errors_before": {**_errors(result.before), "E_max_m": result.E_max[0]},
+            "errors_after": {**_errors(result.after), "E_max_m": result.E_max[1]},
+        },
+        matrix,
+        result.notes,
+    )
+
+
+def _least_squares(log: OdometryLog, parameters: str | None, rule: str) -> _Found:
+    plain, refused = _attempt(log, "physical", rule)
+    if parameters != "extended" and plain is None:
+        raise CalibrationError(refused)
+    chosen = plain
+    notes: tuple[str, ...] = ()
+    if parameters != "physical":
+        chosen, refused = _attempt(log, "extended", rule)
+        if chosen is None and parameters == "extended":
+            raise CalibrationError(refused)
+        if chosen is None:
+            chosen, notes = plain, (f"physical parameters only; of the extended set {refused}",)
+    assert chosen is not None
+    data = {"set": chosen.set, **_values(chosen), "matrix": chosen.matrix.tolist(), **_ratios(chosen)}
+    data |= {"condition": chosen.condition, "lever_m": chosen.lever, "errors_before": _errors(chosen.before)}
+    data |= {"correlation": chosen.correlation.tolist(), "errors_after": _errors(chosen.after)}
+    if plain is not None:
+        data["physical"] = {**_values(plain), "errors_after": _errors(plain.after)}
+    return _Found(data, chosen.matrix, notes)
+
+
+def _attempt(log: OdometryLog, set_name: str, rule: str) -> tuple[Calibration | None, str]:
+    """A calibration, or the reason why the motion does not tell it."""
+    try:
+        return calibrate(log.runs, log.drive, log.nominal, set_name=set_name, rule=rule), ""
+    except CalibrationError as error:
+        return None, str(error)
+
+
+def _values(found: Calibration) -> dict[str, Any]:
+    columns = {"nominal": found.nominal, "calibrated": found.values, "deviations": found.deviations}
+    return {key: dict(zip(found.names, values.tolist(), strict=True)) for key, values in columns.items()}
+
+
+def _ratios(found: Calibration) -> dict[str, float]:
+    """E_b and E_d of a differential drive."""
+    if found.drive != "differential":
+        return {}
+    new, old = (dict(zip(found.names, v.tolist(), strict=True)) for v in (found.values, found.nominal))
+    return {"E_b": new["wheelbase"] / old["wheelbase"], "E_d": new["diameter_right"] / new["diameter_left"]}
+
+
+def _errors(errors: PathErrors) -> dict[str, Any]:
+    return {
+        "max_distance_m": errors.distance,
+        "max_heading_deg": math.degrees(errors.heading),
+        "max_final_distance_m": errors.final_distance,
+        "max_final_heading_deg": math.degrees(errors.final_heading),
+        "runs": [
+            {
+                "distance_m": float(d),
+                "heading_deg": math.degrees(h),
+                "final_distance_m": float(fd),
+                "final_heading_deg": math.degrees(fh),
+            }
+            for d, h, fd, fh in zip(
+                errors.distances, errors.headings, errors.final_distances, errors.final_headings, strict=True
+            )
+        ],
+    }
+
+
+def _number(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _draw(log: OdometryLog, matrix: Array, rule: str, path: Path) -> None:
+    try:
+        import matplotlib  # noqa: F401
+    except ImportError:
+        return
+    from holonom.plots.odometry import draw_odometry
+
+    nominal = drive_parameters(log.drive, log.nominal)
+    before = nominal.matrix(nominal.nominal)
+    drawn = {
+        name: [dead_reckoning(run, M, rule) for run in log.runs]
+        for name, M in (("nominal", before), ("calibrated", matrix))
+    }
+    draw_odometry([run.truth for run in log.runs], drawn, names=[run.name for run in log.runs], save=path)
+
+
+def _text(data: Mapping[str, Any]) -> str:
+    runs = len(data["runs"])
+    lines = [f"{data['drive']} base, {data['method']}, {runs} run{'s' if runs != 1 else ''}:"]
+    lines += _table(data["nominal"], data["calibrated"], data["deviations"])
+    lines += [f"  {name} {data[name]:.6f}" for name in ("E_b", "E_d") if name in data]
+    if data.get("set") == "extended" and "physical" in data:
+        plain = data["physical"]
+        lines += ["with the physical parameters only:"]
+        lines += _table(plain["nominal"], plain["calibrated"], plain["deviations"])
+    columns = {"before": data["errors_before"], "after": data["errors_after"]}
+    if data.get("set") == "extended" and "physical" in data:
+        columns["physical only"] = data["physical"]["errors_after"]
+    if "errors_held_out" in data:
+        columns["held out"] = data["errors_held_out"]
+    lines += ["largest errors over the runs:" + "".join(f"{name:>15}" for name in columns)]
+    for key, label in _LABELS.items():
+        if key in data["errors_before"]:
+            lines.append(f"  {label:27}" + "".join(f"{errors[key]:15.6f}" for errors in columns.values()))
+    return "\n".join([*lines, *(f"note: {note}" for note in data["notes"])])
+
+
+_LABELS = {
+    "max_distance_m": "distance on the way, m",
+    "max_heading_deg": "heading on the way, deg",
+    "max_final_distance_m": "distance at the end, m",
+    "max_final_heading_deg": "heading at the end, deg",
+    "E_max_m": "E_max of both means, m",
+}
+
+
+def _table(nominal: Mapping[str, float], found: Mapping[str, float], sure: Mapping[str, float | None]) -> list[str]:
+    width = max(map(len, nominal))
+    lines = [f"  {'':{width}}  {'nominal':>10}  {'calibrated':>10}  {'deviation':>10}"]
+    for name, value in nominal.items():
+        deviation = sure[name]
+        shown = f"{'unknown':>10}" if deviation is None else f"{deviation:10.6f}"
+        lines.append(f"  {name:{width}}  {value:10.6f}  {found[name]:10.6f}  {shown}")
+    return lines

@@ -1,0 +1,176 @@
+"""Logs in MCAP files: wheel angles as sensor_msgs/JointState, the truth as nav_msgs/Odometry.
+
+The first topic of each type counts, unless another is named (`/joint_states` and `/odom` when written here). Joints are
+found by the drive's wheel names, unless others are given; the tricycle's steering is the joint `front_steering`. Poses
+are interpolated to the times of the joints. Any MCAP file with these messages in little-endian CDR does, such as
+`ros2 bag` writes.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from mcap.exceptions import McapError
+from mcap.reader import make_reader
+from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
+from mcap.writer import CompressionType, Writer
+from numpy.typing import NDArray
+
+from holonom.app.odometry_log.table import Table
+from holonom.app.recording.cdr import ENCAPSULATION, CdrReader
+from holonom.app.recording.messages import (
+    JointMessage,
+    joint_layout,
+    joint_message,
+    odometry_layout,
+    odometry_plane,
+    odometry_values,
+)
+from holonom.app.recording.schemas import schema_text
+from holonom.errors import LogError, OutputError
+from holonom.mobile.calibration import Run, wheels_of
+
+__all__ = ["JOINTS", "ODOMETRY", "read_mcap_table", "write_mcap"]
+
+Array = NDArray[np.float64]
+
+JOINTS, ODOMETRY = "sensor_msgs/JointState", "nav_msgs/Odometry"
+SUFFIX = "_steering"
+
+
+def read_mcap_table(
+    path: Path,
+    wheels: Sequence[str],
+    steered: Sequence[str],
+    *,
+    topics: Mapping[str, str | None] | None = None,
+    names: Mapping[str, str] | None = None,
+) -> Table:
+    """Running wheel angles (rad), steering and truth of a recording, a row for each JointState.
+
+    Parameters
+    ----------
+    path : MCAP file.
+    wheels, steered : names of the drive's wheels, and of those that are steered.
+    topics : of `JOINTS` and `ODOMETRY` messages; the first of each type unless given.
+    names : of the joints, where they differ from those of the wheels.
+
+    Raises
+    ------
+    LogError
+        No MCAP file, another encoding, no joints, or joints without the drive's wheels.
+    """
+    messages = _messages(path, topics or {})
+    if not messages.get(JOINTS):
+        raise LogError(f"{path}: no {JOINTS} messages; record the wheels' angles as joint states")
+    joints = [joint_message(data) for data in messages[JOINTS]]
+    wanted = [(names or {}).get(name, name) for name in (*wheels, *(name + SUFFIX for name in steered))]
+    kind = joints[0]
+    if any(one.names != kind.names for one in joints):
+        raise LogError(f"{path}: {JOINTS} messages of different joints; name the topic of the wheels alone")
+    missing = [name for name in wanted if name not in kind.names]
+    if missing:
+        raise LogError(
+            f"{path}: no joint {', '.join(missing)}; there is {', '.join(kind.names)}: name joints as wheels"
+        )
+    at = [kind.names.index(name) for name in wanted]
+    rows = np.stack([_joint_values(path, data, one) for data, one in zip(messages[JOINTS], joints, strict=True)])
+    values = np.column_stack([rows[:, 0], rows[:, 1:][:, at]])
+    columns = ("time", *wheels, *("steering" for _ in steered))
+    if messages.get(ODOMETRY):
+        values = np.column_stack([values, _truth_at(path, messages[ODOMETRY], values[:, 0])])
+        columns = (*columns, "x", "y", "theta")
+    if len(values) < 2:
+        raise LogError(f"{path}: {len(values)} samples; two or more are expected: the run was not recorded")
+    table = Table(path, columns, values, range(1, len(values) + 1))
+    bad = np.argwhere(~np.isfinite(values))
+    if len(bad):
+        table.fault(int(bad[0, 0]), columns[bad[0, 1]], "NaN or infinity came; finite numbers are expected")
+    return table
+
+
+def write_mcap(path: Path, run: Run, drive: str) -> None:
+    """Write a run: running wheel angles on /joint_states, the truth, where there is one, on /odom.
+
+    Raises
+    ------
+    OutputError
+    """
+    wheels, steered = wheels_of(drive)
+    layout = joint_layout(JointMessage((*wheels, *(name + SUFFIX for name in steered)), arrays=1))
+    odometry = odometry_layout()
+    angles = np.column_stack([np.cumsum(run.turns, axis=0), run.steering])
+    stamps = np.rint((run.time - min(run.time[0], 0.0)) * 1e9).astype(np.int64)
+    try:
+        with path.open("wb") as stream:
+            writer = Writer(stream, compression=CompressionType.ZSTD)
+            writer.start(profile=Profile.ROS2, library="holonom")
+            joints, truth = _channel(writer, "/joint_states", JOINTS), _channel(writer, "/odom", ODOMETRY)
+            for k, stamp in enumerate(stamps.tolist()):
+                writer.add_message(joints, log_time=stamp, publish_time=stamp, data=layout.pack(stamp, angles[k]))
+                if len(run.truth):
+                    values = odometry_values(run.truth[k], np.zeros(3), np.zeros((3, 3)))
+                    writer.add_message(truth, log_time=stamp, publish_time=stamp, data=odometry.pack(stamp, values))
+            writer.finish()  # type: ignore[no-untyped-call]
+    except OSError as error:
+        raise OutputError(f"cannot write {path}: {error.strerror}; give a folder that can be written") from None
+
+
+def _channel(writer: Writer, topic: str, kind: str) -> int:
+    schema = writer.register_schema(kind.replace("/", "/msg/"), SchemaEncoding.ROS2, schema_text(kind).encode())
+    return writer.register_channel(topic, MessageEncoding.CDR, schema)
+
+
+def _messages(path: Path, named: Mapping[str, str | None]) -> Mapping[str, list[bytes]]:
+    """Messages of the named, or first, topic of each type."""
+    found: dict[str, list[bytes]] = defaultdict(list)
+    topics = {kind: topic for kind, topic in named.items() if topic is not None}
+    try:
+        with path.open("rb") as stream:
+            for schema, channel, message in make_reader(stream).iter_messages():
+                kind = "" if schema is None else schema.name.replace("/msg/", "/")
+                if kind not in (JOINTS, ODOMETRY) or topics.setdefault(kind, channel.topic) != channel.topic:
+                    continue
+                if channel.message_encoding != MessageEncoding.CDR or message.data[:4] != ENCAPSULATION:
+                    raise LogError(f"{path}: {channel.topic} is not in little-endian CDR; record it with ROS 2")
+                found[kind].append(message.data)
+    except FileNotFoundError:
+        raise LogError(f"{path}: there is no such file; give the path of a log") from None
+    except (OSError, McapError) as error:
+        raise LogError(f"{path}: no MCAP file that can be read ({error}); record it again") from None
+    return found
+
+
+def _joint_values(path: Path, data: bytes, kind: JointMessage) -> Array:
+    """Time, s, and positions."""
+    if kind.arrays == 0:
+        raise LogError(f"{path}: a {JOINTS} without positions; record the wheels' angles")
+    row = np.frombuffer(data[len(ENCAPSULATION) :], dtype=np.uint8)[None]
+    positions = joint_layout(kind).unpack(row)[0, : len(kind.names)]
+    return np.concatenate([[CdrReader(data).stamp() / 1e9], positions])
+
+
+def _truth_at(path: Path, messages: Sequence[bytes], time: Array) -> Array:
+    """Poses (N, 3) at the joints' times, between those of the messages."""
+    layout = odometry_layout()
+    stamps = np.array([CdrReader(data).stamp() / 1e9 for data in messages])
+    poses = odometry_plane(np.stack([_numbers(data, len(layout.doubles)) for data in messages]))[0]
+    if time[0] < stamps[0] - 0.5 or time[-1] > stamps[-1] + 0.5:
+        raise LogError(
+            f"{path}: joints from {time[0]:g} to {time[-1]:g} s, truth from {stamps[0]:g} to {stamps[-1]:g} s; cut the "
+            "recording to where both are there"
+        )
+    columns = [poses[:, 0], poses[:, 1], np.unwrap(poses[:, 2])]
+    return np.stack([np.interp(time, stamps, column) for column in columns], axis=1)
+
+
+def _numbers(data: bytes, count: int) -> Array:
+    """Doubles of a nav_msgs/Odometry, whatever its frames are called."""
+    reader = CdrReader(data)
+    reader.stamp()
+    reader.text()
+    reader.text()
+    return np.frombuffer(data, dtype="<f8", count=count, offset=len(data) - 8 * count)

@@ -1,0 +1,191 @@
+"""Folders of the OptiOdom data set (Sousa, Petry, Costa & Moreira 2020), as they are published.
+
+A folder holds `<stamp>_metadata.csv` and `<stamp>_run-NN.csv` (or .csv.gz), without header: time s, x m, y m, theta rad
+by the ground truth, then what each wheel moved in the sample, in encoder ticks (of a tricycle: ticks, steering rad).
+Their wheel columns: differential right, left; mecanum front left, front right, rear left, rear right, the right ones
+counting backwards; omni3 at -60, 60, 180 degrees, counting clockwise.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.app.odometry_log.checks import check_motion, check_time
+from holonom.app.odometry_log.log import OdometryLog
+from holonom.app.odometry_log.table import Table, read_table, read_text
+from holonom.errors import LogError
+from holonom.mobile.calibration import DRIVES, Run, drive_parameters
+from holonom.mobile.odometry import angle_per_tick
+
+__all__ = ["find_sets", "read_optiodom"]
+
+Array = NDArray[np.float64]
+
+METADATA = re.compile(r"(.+)_metadata\.csv(\.gz)?")
+RUN = re.compile(r"(.+)_run-(\d+)\.csv(\.gz)?")
+POSE = ("time", "x", "y", "theta")
+
+
+@dataclass(frozen=True, slots=True)
+class _Type:
+    """One `type` of the data set: the drive, its wheel columns with their signs, lengths `Li` to the lever."""
+
+    drive: str
+    columns: tuple[str, ...]
+    signs: tuple[float, ...]
+    lengths: int
+
+
+TYPES = {
+    "diff": _Type("differential", ("right", "left"), (1.0, 1.0), 1),
+    "tricyc": _Type("tricycle", ("front", "steering"), (1.0,), 1),
+    "omni3": _Type("omni3", ("wheel_1", "wheel_2", "wheel_3"), (-1.0, -1.0, -1.0), 1),
+    "omni4": _Type("mecanum", ("front_left", "front_right", "rear_left", "rear_right"), (1.0, -1.0, 1.0, -1.0), 2),
+}
+
+
+def find_sets(folder: Path) -> list[Path]:
+    """Metadata files in a folder and those below it, sorted."""
+    return sorted(path for path in folder.rglob("*_metadata.csv*") if METADATA.fullmatch(path.name))
+
+
+def read_optiodom(metadata: Path, *, only: Iterable[Path] = (), allow_gaps: bool = False) -> OdometryLog:
+    """Read one set of runs.
+
+    Parameters
+    ----------
+    metadata : the set's `_metadata.csv`.
+    only : run files to read instead of all.
+    allow_gaps : let gaps in time pass with a note.
+
+    Raises
+    ------
+    LogError
+        File, line and column of any fault.
+    """
+    facts = _Facts(metadata)
+    chosen = list(only)
+    files = chosen or _run_files(metadata)
+    if not files:
+        raise LogError(
+            f"{metadata.parent}: no run files {_stem(metadata)}_run-*.csv beside the metadata; copy them there"
+        )
+    runs, notes = [], [] if chosen else _missing(facts, files)
+    for file in files:
+        run, gaps = _read_run(file, facts, allow_gaps=allow_gaps)
+        runs.append(run)
+        notes += gaps
+    return OdometryLog(metadata.parent, facts.kind.drive, facts.nominal, facts.side, tuple(runs), tuple(notes))
+
+
+class _Facts:
+    """What the metadata say; every fault with its line."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.rows: dict[str, list[str]] = {}
+        self.lines: dict[str, int] = {}
+        for number, line in enumerate(read_text(path).splitlines(), start=1):
+            key, *cells = (cell.strip() for cell in line.split(","))
+            if key:
+                self.rows[key], self.lines[key] = [cell for cell in cells if cell], number
+        name = self._cells("type", "one of " + ", ".join(TYPES))[0]
+        if name not in TYPES:
+            raise LogError(f"{path}:{self.lines['type']}: type {name!r} came; one of {', '.join(TYPES)} is known")
+        self.kind = TYPES[name]
+        self.angle = angle_per_tick(self._positive("encRes", 1)[0], self._positive("ngear", 1)[0])
+        self.nominal = self._nominal()
+        self.side = self._positive("L", 1)[0] if self.rows.get("L") else None
+        self.count = int(self._positive("N", 1)[0]) if self.rows.get("N") else None
+
+    def _nominal(self) -> dict[str, float]:
+        kind, wheels = self.kind, len(self.kind.signs)
+        lever = sum(self._positive("Li", kind.lengths))
+        diameters = self._positive("Di", wheels)
+        if kind.drive == "tricycle":
+            offset = np.radians(self._numbers("Thi", 1)[0]) if self.rows.get("Thi") else 0.0
+            values = {"wheelbase": lever, "diameter": diameters[0], "steering_offset": float(offset)}
+        else:
+            named = {f"diameter_{wheel}": d for wheel, d in zip(kind.columns, diameters, strict=True)}
+            values = {DRIVES[kind.drive][0]: lever, **named}
+        return {name: values[name] for name in DRIVES[kind.drive]}
+
+    def _cells(self, key: str, meaning: str) -> list[str]:
+        if not self.rows.get(key):
+            place = f"{self.path}:{self.lines[key]}" if key in self.lines else f"{self.path}"
+            raise LogError(f"{place}: {key} is missing or empty; {meaning} is expected")
+        return self.rows[key]
+
+    def _numbers(self, key: str, count: int) -> list[float]:
+        cells = self._cells(key, f"{count} number(s)")
+        place = f"{self.path}:{self.lines[key]}: {key}"
+        if len(cells) != count:
+            raise LogError(f"{place}: {len(cells)} number(s) came; a {self.kind.drive} base has {count}")
+        try:
+            values = [float(cell) for cell in cells]
+        except ValueError:
+            raise LogError(f"{place}: {', '.join(cells)} came; numbers are expected") from None
+        if not np.all(np.isfinite(values)):
+            raise LogError(f"{place}: {', '.join(cells)} came; finite numbers are expected")
+        return values
+
+    def _positive(self, key: str, count: int) -> list[float]:
+        values = self._numbers(key, count)
+        if min(values) <= 0.0:
+            raise LogError(
+                f"{self.path}:{self.lines[key]}: {key}: {min(values):g} came; numbers above zero are expected"
+            )
+        return values
+
+
+def _stem(metadata: Path) -> str:
+    match = METADATA.fullmatch(metadata.name)
+    assert match is not None
+    return match[1]
+
+
+def _run_files(metadata: Path) -> list[Path]:
+    stem = _stem(metadata)
+    found: dict[int, Path] = {}
+    for path in sorted(metadata.parent.iterdir()):
+        match = RUN.fullmatch(path.name)
+        if match and match[1] == stem:
+            number = int(match[2])
+            if number in found:
+                raise LogError(f"{path}: run {number} is there twice, also as {found[number].name}; remove one of them")
+            found[number] = path
+    return [found[number] for number in sorted(found)]
+
+
+def _missing(facts: _Facts, files: list[Path]) -> list[str]:
+    if facts.count is None or facts.count == len(files):
+        return []
+    return [
+        f"{facts.path}:{facts.lines['N']}: N names {facts.count} runs, {len(files)} are here: results over all runs "
+        "that were published for the set may differ"
+    ]
+
+
+def _read_run(path: Path, facts: _Facts, *, allow_gaps: bool) -> tuple[Run, tuple[str, ...]]:
+    kind = facts.kind
+    table = read_table(path, (*POSE, *kind.columns))
+    notes = check_time(table, allow_gaps=allow_gaps)
+    wheels = kind.columns[: len(kind.signs)]
+    turns = np.stack([table.column(name) for name in wheels], axis=1) * np.array(kind.signs) * facts.angle
+    steering = table.column("steering")[:, None] if "steering" in kind.columns else np.empty((len(turns), 0))
+    order = [1, 0] if kind.drive == "differential" else list(range(len(wheels)))
+    run = Run(
+        path.name.split(".")[0], table.column("time"), np.ascontiguousarray(turns[:, order]), _truth(table), steering
+    )
+    check_motion(table, run, drive_parameters(kind.drive, facts.nominal), [wheels[k] for k in order])
+    return run, notes
+
+
+def _truth(table: Table) -> Array:
+    return np.stack([table.column(name) for name in POSE[1:]], axis=1)

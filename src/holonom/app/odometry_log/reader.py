@@ -1,0 +1,97 @@
+"""Whatever a path leads to: one log."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from pathlib import Path
+
+from holonom.app.odometry_log.log import OdometryLog
+from holonom.app.odometry_log.optiodom import METADATA, RUN, find_sets, read_optiodom
+from holonom.app.odometry_log.plain import read_plain
+from holonom.errors import LogError
+
+__all__ = ["read_log"]
+
+
+def read_log(paths: Sequence[Path], *, drive: str | None = None, allow_gaps: bool = False) -> OdometryLog:
+    """Read logs as one.
+
+    Parameters
+    ----------
+    paths : folders of the OptiOdom data set or above several of them, run files of it, TOML files of the plain format.
+    drive : what was driven; sets of other drives below a folder are passed over. Taken from the logs unless given.
+    allow_gaps : let gaps in time pass with a note.
+
+    Returns
+    -------
+    All runs together; where logs state different geometry, the first one's, with a note.
+
+    Raises
+    ------
+    LogError
+        No log there, logs of several drives, or any fault in one: file, line, column.
+    """
+    if not paths:
+        raise LogError("no log came; give a folder or file")
+    logs = [log for path in paths for log in _logs(Path(path), drive, allow_gaps=allow_gaps)]
+    drives = dict.fromkeys(log.drive for log in logs)
+    if drive is not None and list(drives) != [drive]:
+        raise LogError(f"{logs[0].source} is of a {next(iter(drives))} base; a {drive} was asked for: see --drive")
+    if len(drives) > 1:
+        raise LogError(f"the logs are of {', '.join(drives)} bases; name one of them with --drive")
+    return logs[0] if len(logs) == 1 else _joined(logs)
+
+
+def _logs(path: Path, drive: str | None, *, allow_gaps: bool) -> list[OdometryLog]:
+    if path.is_dir():
+        return _folder(path, drive, allow_gaps=allow_gaps)
+    if path.suffix == ".toml":
+        return [read_plain(path, allow_gaps=allow_gaps)]
+    if METADATA.fullmatch(path.name):
+        return [read_optiodom(path, allow_gaps=allow_gaps)]
+    run = RUN.fullmatch(path.name)
+    if run:
+        metadata = path.parent / f"{run[1]}_metadata.csv"
+        return [read_optiodom(metadata, only=[path], allow_gaps=allow_gaps)]
+    reason = "is no log" if path.exists() else "is not there"
+    raise LogError(f"{path} {reason}; give a folder of the OptiOdom data set, or the TOML file that describes a log")
+
+
+def _folder(folder: Path, drive: str | None, *, allow_gaps: bool) -> list[OdometryLog]:
+    described = sorted(folder.glob("*.toml"))
+    sets = find_sets(folder)
+    if len(described) == 1 and not sets:
+        return [read_plain(described[0], allow_gaps=allow_gaps)]
+    if not sets:
+        raise LogError(
+            f"{folder}: neither a file *_metadata.csv, here or below, nor one TOML file; give a folder with a log"
+        )
+    logs = [read_optiodom(path, allow_gaps=allow_gaps) for path in sets]
+    wanted = [log for log in logs if drive in (None, log.drive)]
+    if not wanted:
+        raise LogError(
+            f"{folder}: sets of {', '.join(dict.fromkeys(log.drive for log in logs))}, none of a {drive} base"
+        )
+    return wanted
+
+
+def _joined(logs: Sequence[OdometryLog]) -> OdometryLog:
+    first = logs[0]
+    notes = [note for log in logs for note in log.notes]
+    notes += [
+        f"{log.source} states {_geometry(log)}; that of {first.source} is taken for all: {_geometry(first)}"
+        for log in logs
+        if dict(log.nominal) != dict(first.nominal)
+    ]
+    sides = {log.side for log in logs}
+    return dataclasses.replace(
+        first,
+        side=first.side if len(sides) == 1 else None,
+        runs=tuple(run for log in logs for run in log.runs),
+        notes=tuple(notes),
+    )
+
+
+def _geometry(log: OdometryLog) -> str:
+    return ", ".join(f"{name} {value:g}" for name, value in log.nominal.items())

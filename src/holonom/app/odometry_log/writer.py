@@ -1,0 +1,54 @@
+"""Writing a log in the plain format."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from holonom.app.odometry_log.log import OdometryLog
+from holonom.app.odometry_log.mcap_file import write_mcap
+from holonom.app.output import prepare_output
+from holonom.errors import OutputError
+from holonom.mobile.calibration import Run, wheels_of
+
+__all__ = ["write_log"]
+
+
+def write_log(log: OdometryLog, folder: str | Path, *, runs: Literal["csv", "mcap"] = "csv") -> Path:
+    """Write a log into a folder: `log.toml`, and a CSV or MCAP file for each run.
+
+    Returns
+    -------
+    The TOML file.
+
+    Raises
+    ------
+    OutputError
+    """
+    path = prepare_output(folder)
+    names = [f"{number:03d}-{run.name}.{runs}" for number, run in enumerate(log.runs, start=1)]
+    units = "angle" if runs == "mcap" else "rad"
+    lines = [f'drive = "{log.drive}"', f"runs = {json.dumps(names)}"]
+    lines += [] if log.side is None else [f"side = {log.side!r}"]
+    lines += ["", "[geometry]", *(f"{name} = {value!r}" for name, value in log.nominal.items())]
+    lines += ["", "[units]", f'wheels = "{units}"', ""]
+    try:
+        for name, run in zip(names, log.runs, strict=True):
+            if runs == "mcap":
+                write_mcap(path / name, run, log.drive)
+            else:
+                _write_csv(path / name, run, log.drive)
+        (path / "log.toml").write_text("\n".join(lines), encoding="utf-8")
+    except OSError as error:
+        raise OutputError(f"cannot write to {path}: {error.strerror}; give a folder that can be written") from None
+    return path / "log.toml"
+
+
+def _write_csv(path: Path, run: Run, drive: str) -> None:
+    wheels, steered = wheels_of(drive)
+    header = ["time", *wheels, *("steering" for _ in steered), *(("x", "y", "theta") if len(run.truth) else ())]
+    parts = [run.time, run.turns, run.steering, *([run.truth] if len(run.truth) else [])]
+    np.savetxt(path, np.column_stack(parts), fmt="%.17g", delimiter=",", header=",".join(header), comments="")
