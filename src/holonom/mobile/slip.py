@@ -16,6 +16,8 @@ from holonom.mobile.base import WheelBase
 from holonom.mobile.coupling import Coupling, coupling_of
 from holonom.mobile.slip_kernels import (
     AMBIGUOUS,
+    BOUND,
+    INVERSE,
     NO_SLIP,
     SLIP,
     UNDETECTABLE,
@@ -162,11 +164,13 @@ def detect_slip(
     With n >= 5 the wheel is the one without which the others agree. With n = 4 every three wheels agree: named is the
     wheel without which the twist agrees with the gyro and with the last velocity within the acceleration limits; if
     several such remain the status is AMBIGUOUS. Two wheels that slip in just the ratio that a third one alone would
-    show (in noise: often with n = 4 and 5, seldom with 6) look like it; `most=2` names none then. See `slip_step`, the same sample by sample.
+    show (in noise: often with n = 4 and 5, seldom with 6) look like it; `most=2` names none then (n >= 5).
+
+    `slip_step` is the same sample by sample.
     """
     coupling = coupling_of(base)
     params = slip_params(coupling, settings)
-    n, R = len(params.coupling), coupling.radius
+    n, R, D = coupling.wheels, coupling.radius, coupling.velocity
     m = _finite("speeds", speeds, (-1, n))
     gyro = np.full(len(m), np.nan) if rate is None else _finite("rate", rate, (len(m),))
     push = np.full((len(m), 3), np.nan)
@@ -180,10 +184,10 @@ def detect_slip(
     slip_samples(params, slip_start(), m, gyro, push, status, wheels, twist, statistic)
     bits = (wheels[:, :, None] >> np.arange(n)) & 1 == 1
     one = bits[:, 0].sum(axis=1) == 1
-    residual = m - m @ params.inverses[0].T @ params.coupling.T
+    residual = m - m @ params.hypotheses[0, INVERSE:].reshape(n, 3) @ D.T
     return SlipReport(
         status, np.where(one, bits[:, 0].argmax(axis=1), -1), bits[:, 0], bits[:, 1], twist / [1.0, 1.0, R],
-        residual, statistic, float(params.thresholds[0]),
+        residual, statistic, float(params.hypotheses[0, BOUND]),
     )  # fmt: skip
 
 
@@ -218,19 +222,25 @@ def slip_params(base: WheelBase | Coupling | ArrayLike, settings: SlipSettings) 
     blur = _blur(fits[0], D, weights, sets, math.sqrt(thresholds[0])) if n > 3 else (0.0, 0.0)
     linear, angular = np.linalg.eigvalsh(covariance[:, :2, :2])[:, 1], covariance[:, 2, 2]
     gate, gate2 = stats.norm.isf(p / 2.0), math.sqrt(stats.chi2.isf(p, 2))
+    table = np.column_stack(
+        [
+            [sum(1 << i for i in s) for s in sets],
+            thresholds,
+            gate2 * np.sqrt(linear + linear.max()) + blur[0],
+            gate * np.sqrt(angular + angular.max()) + blur[1],
+            gate * np.sqrt(angular + (R * settings.rate_noise) ** 2) + R * settings.rate_bias,
+            [K.T.ravel() for K, _ in fits],
+        ]
+    )
     return SlipParams(
-        dt=settings.dt,
-        radius=R,
-        coupling=np.ascontiguousarray(D),
-        weights=weights,
-        wheels=np.array([sum(1 << i for i in s) for s in sets], np.int64),
-        inverses=np.array([K for K, _ in fits]),
-        thresholds=thresholds,
-        linear_floor=gate2 * np.sqrt(linear + linear.max()) + blur[0],
-        angular_floor=gate * np.sqrt(angular + angular.max()) + blur[1],
-        rate_floor=gate * np.sqrt(angular + (R * settings.rate_noise) ** 2) + R * settings.rate_bias,
-        acceleration=np.array([settings.max_acceleration, R * settings.max_angular_acceleration]),
-        acceleration_error=np.array([settings.acceleration_error, R * settings.angular_acceleration_error]),
+        dt=float(settings.dt),
+        radius=float(R),
+        rows=np.column_stack([D, weights]),
+        hypotheses=np.ascontiguousarray(table),
+        max_acceleration=float(settings.max_acceleration),
+        max_turning=float(R * settings.max_angular_acceleration),
+        acceleration_error=float(settings.acceleration_error),
+        turning_error=float(R * settings.angular_acceleration_error),
         suspects=(1 << n) - 1,
         redundancy=n - 3,
         persistence=max(1, math.ceil(settings.persistence / settings.dt - 1e-9)),

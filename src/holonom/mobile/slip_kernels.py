@@ -20,6 +20,11 @@ __all__ = ["AMBIGUOUS", "NO_SLIP", "SLIP", "UNDETECTABLE", "SlipParams", "SlipSa
 NO_SLIP, SLIP, AMBIGUOUS, UNDETECTABLE = 0, 1, 2, 3
 """Codes of `SlipStatus`."""
 
+LEFT_OUT, BOUND, LINEAR, ANGULAR, RATE, INVERSE = 0, 1, 2, 3, 4, 5
+"""Columns of `SlipParams.hypotheses`: set of wheels left out; bound of the weighted square sum of what remains; how far
+noise alone carries the twist from the last one (linear, R w) and R w from the gyro's, m/s; then the least-squares
+inverse without those wheels, vx, vy, R w per rim speed, wheel after wheel."""
+
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
@@ -27,21 +32,18 @@ Integers = NDArray[np.int64]
 class SlipParams(NamedTuple):
     """What `slip_step` needs of a base, its noise and its limits; made by `slip_params`.
 
-    n wheels, h hypotheses; wheel i is bit `1 << i` of a set. Twists are (vx, vy, R w) in m/s.
+    n wheels, h hypotheses; wheel i is bit `1 << i` of a set. Twists are (vx, vy, R w) in m/s. Two arrays only: each one
+    costs compiled calls some nanoseconds.
     """
 
     dt: float
     radius: float
-    coupling: Floats  # D, (n, 3)
-    weights: Floats  # 1 / noise of each wheel, (n,), s/m
-    wheels: Integers  # the wheels that each hypothesis leaves out, (h,); the first leaves out none
-    inverses: Floats  # twist from rim speeds without those wheels, (h, 3, n)
-    thresholds: Floats  # of the weighted square sum of what remains, (h,)
-    linear_floor: Floats  # how far noise alone carries its twist from the last one, (h,), m/s
-    angular_floor: Floats
-    rate_floor: Floats  # how far noise alone carries its R w from the gyro's, (h,), m/s
-    acceleration: Floats  # limits of the base: linear, R times angular, (2,), m/s2
-    acceleration_error: Floats  # the same where an acceleration is measured
+    rows: Floats  # (n, 4): row of D and 1 / noise (s/m) of each wheel
+    hypotheses: Floats  # (h, 5 + 3 n), columns below
+    max_acceleration: float  # m/s2
+    max_turning: float  # R times angular acceleration, m/s2
+    acceleration_error: float  # where an acceleration is measured, m/s2
+    turning_error: float
     suspects: int  # the wheels that a second source can contradict
     redundancy: int  # n - 3
     persistence: int  # samples until slip is raised, or falls
@@ -81,13 +83,13 @@ class SlipSample(NamedTuple):
     statistic: float
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def slip_start() -> SlipState:
     """State before the first sample: no twist is trusted yet."""
     return SlipState(0.0, 0.0, 0.0, math.inf, math.inf, 0, False, 0, 0, 0)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def slip_step(
     params: SlipParams, state: SlipState, speeds: Floats, rate: float, acceleration: Floats
 ) -> tuple[SlipState, SlipSample]:
@@ -117,7 +119,7 @@ def slip_step(
     known = math.isfinite(rate) or math.isfinite(last.slack)
     vx, vy, rw, statistic = _fit(params, 0, speeds)
     if params.redundancy > 0:
-        above = not statistic <= params.thresholds[0]
+        above = not statistic <= params.hypotheses[0, BOUND]
     else:
         above = not _distance(params, 0, last, vx, vy, rw, rate) <= 1.0
     common, union, best = 0, 0, 0
@@ -126,12 +128,14 @@ def slip_step(
     after = _debounce(params, last, above, common, union if best > 0 else 0)
     if best > 0 and (known or after.named != 0):
         vx, vy, rw, _ = _fit(params, best, speeds)
-    if (after.raised and after.named != 0 and params.wheels[best] == after.named) or after.level == 0:
+    if (
+        after.raised and after.named != 0 and int(params.hypotheses[best, LEFT_OUT]) == after.named
+    ) or after.level == 0:
         after = SlipState(vx, vy, rw, 0.0, 0.0, after.level, after.raised, after.pending, after.agreed, after.named)
     return after, _sample(params, after, union, vx, vy, rw, statistic)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def slip_samples(
     params: SlipParams, state: SlipState, speeds: Floats, rate: Floats, acceleration: Floats,
     status: Integers, wheels: Integers, twist: Floats, statistic: Floats,
@@ -145,7 +149,7 @@ def slip_samples(
     return state
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _sample(
     params: SlipParams, state: SlipState, union: int, vx: float, vy: float, rw: float, statistic: float
 ) -> SlipSample:
@@ -158,51 +162,51 @@ def _sample(
     return SlipSample(AMBIGUOUS, 0, union if union != 0 else params.suspects, vx, vy, rw, statistic)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _carry(params: SlipParams, state: SlipState, rate: float, acceleration: Floats) -> SlipState:
     """Last trusted twist in base_link one sample later: the frame turns under it, the base may accelerate."""
     dt = params.dt
     w = rate if math.isfinite(rate) else state.rw / params.radius
     vx, vy, rw = state.vx + dt * w * state.vy, state.vy - dt * w * state.vx, state.rw
-    slack, angular = params.acceleration[0], params.acceleration[1]
+    slack, angular = params.max_acceleration, params.max_turning
     if math.isfinite(acceleration[0]) and math.isfinite(acceleration[1]):
-        vx, vy, slack = vx + dt * acceleration[0], vy + dt * acceleration[1], params.acceleration_error[0]
+        vx, vy, slack = vx + dt * acceleration[0], vy + dt * acceleration[1], params.acceleration_error
     if math.isfinite(acceleration[2]):
-        rw, angular = rw + dt * acceleration[2], params.acceleration_error[1]
+        rw, angular = rw + dt * acceleration[2], params.turning_error
     return SlipState(vx, vy, rw, state.slack + dt * slack, state.angular_slack + dt * angular, state.level,
                      state.raised, state.pending, state.agreed, state.named)  # fmt: skip
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _fit(params: SlipParams, h: int, speeds: Floats) -> tuple[float, float, float, float]:
     """Twist of hypothesis h, and the weighted square sum of what it leaves of the wheels that it keeps."""
-    n = speeds.shape[0]
-    inverse, D = params.inverses, params.coupling
+    rows, table = params.rows, params.hypotheses
+    n, left_out = speeds.shape[0], int(table[h, LEFT_OUT])
     vx, vy, rw = 0.0, 0.0, 0.0
     for i in range(n):
-        if not (params.wheels[h] >> i) & 1:
-            vx += inverse[h, 0, i] * speeds[i]
-            vy += inverse[h, 1, i] * speeds[i]
-            rw += inverse[h, 2, i] * speeds[i]
+        if not (left_out >> i) & 1:
+            vx += table[h, INVERSE + 3 * i] * speeds[i]
+            vy += table[h, INVERSE + 3 * i + 1] * speeds[i]
+            rw += table[h, INVERSE + 3 * i + 2] * speeds[i]
     total = 0.0
     for i in range(n):
-        if not (params.wheels[h] >> i) & 1:
-            left = params.weights[i] * (speeds[i] - D[i, 0] * vx - D[i, 1] * vy - D[i, 2] * rw)
+        if not (left_out >> i) & 1:
+            left = rows[i, 3] * (speeds[i] - rows[i, 0] * vx - rows[i, 1] * vy - rows[i, 2] * rw)
             total += left * left
     return vx, vy, rw, total
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _distance(params: SlipParams, h: int, last: SlipState, vx: float, vy: float, rw: float, rate: float) -> float:
     """How far the twist of hypothesis h is from the second sources, as a share of what noise and limits allow."""
-    linear = math.hypot(vx - last.vx, vy - last.vy) / (params.linear_floor[h] + last.slack)
-    farthest = max(linear, abs(rw - last.rw) / (params.angular_floor[h] + last.angular_slack))
+    linear = math.hypot(vx - last.vx, vy - last.vy) / (params.hypotheses[h, LINEAR] + last.slack)
+    farthest = max(linear, abs(rw - last.rw) / (params.hypotheses[h, ANGULAR] + last.angular_slack))
     if math.isfinite(rate):
-        farthest = max(farthest, abs(rw - params.radius * rate) / params.rate_floor[h])
+        farthest = max(farthest, abs(rw - params.radius * rate) / params.hypotheses[h, RATE])
     return farthest
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _standing(params: SlipParams, last: SlipState, speeds: Floats, rate: float) -> tuple[int, int, int]:
     """Wheels common to all standing hypotheses, wheels of any of them, and the nearest to the second sources.
 
@@ -212,13 +216,13 @@ def _standing(params: SlipParams, last: SlipState, speeds: Floats, rate: float) 
     """
     common, union, possible, best, size = -1, 0, 0, 0, 0
     nearest = math.inf
-    for h in range(1, params.wheels.shape[0]):
-        wheels = params.wheels[h]
+    for h in range(1, params.hypotheses.shape[0]):
+        wheels = int(params.hypotheses[h, LEFT_OUT])
         pair = wheels & (wheels - 1) != 0
         if pair and size == 1 and params.most == 1:
             break
         vx, vy, rw, left = _fit(params, h, speeds)
-        if not left <= params.thresholds[h]:
+        if not left <= params.hypotheses[h, BOUND]:
             continue
         possible |= wheels
         size = max(size, 2 if pair else 1)
@@ -235,7 +239,7 @@ def _standing(params: SlipParams, last: SlipState, speeds: Floats, rate: float) 
     return common, union, best
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _debounce(params: SlipParams, state: SlipState, above: bool, common: int, standing: int) -> SlipState:
     """Count this sample: raise and release slip, confirm a name, drop one that no longer stands."""
     level = min(state.level + 1, params.persistence) if above else max(state.level - 1, 0)
