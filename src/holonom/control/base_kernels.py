@@ -21,9 +21,12 @@ __all__ = [
     "WatchParams",
     "allocation",
     "estimate_step",
+    "feasible_rate",
+    "force_part",
     "ground_speed",
     "keeping_step",
     "pose_step",
+    "reference_at",
     "traction_step",
     "wanted_acceleration",
     "watch_step",
@@ -166,6 +169,41 @@ def allocation(rows: Floats, weights: Floats, out: Floats) -> None:
             out[i, j] = weights[i] * (
                 rows[i, 0] * inverse[0, j] + rows[i, 1] * inverse[1, j] + rows[i, 2] * inverse[2, j]
             )
+
+
+@njit(cache=True, error_model="numpy")
+def force_part(share: Floats, wanted: Planar, limit: float) -> float:
+    """Part (0 to 1) of a wanted force (N, N, N m) that no wheel needs more than `limit` (N) for."""
+    worst = limit
+    for i in range(share.shape[0]):
+        worst = max(worst, abs(ground_speed(share, i, wanted)))
+    return limit / worst
+
+
+@njit(cache=True, error_model="numpy")
+def feasible_rate(share: Floats, reference: Floats, first: int, mass: float, inertia: float, limit: float) -> float:
+    """Part (0 to 1) of its speed at which the rest of a reference (N, 9) can be driven with forces up to `limit` (N).
+
+    Driven at a rate r, a path needs r^2 of its accelerations.
+    """
+    part = 1.0
+    for k in range(first, reference.shape[0]):
+        a = reference[k]
+        part = min(part, force_part(share, Planar(mass * a[6], mass * a[7], inertia * a[8]), limit))
+    return math.sqrt(part)
+
+
+@njit(cache=True, error_model="numpy")
+def reference_at(reference: Floats, phase: float, rate: float, change: float, out: Floats) -> None:
+    """Fill `out` (9,) with a reference (N, 9) at a phase in samples that advances by `rate`, which changes (1/s)."""
+    k = min(int(phase), reference.shape[0] - 1)
+    after = min(k + 1, reference.shape[0] - 1)
+    part = phase - k
+    for j in range(9):
+        out[j] = reference[k, j] + part * (reference[after, j] - reference[k, j])
+    for j in range(3):
+        out[6 + j] = rate * rate * out[6 + j] + change * out[3 + j]
+        out[3 + j] *= rate
 
 
 @njit(cache=True, error_model="numpy")

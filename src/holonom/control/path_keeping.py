@@ -83,7 +83,7 @@ class EstimateSettings:
     """
 
     bandwidth: float = 50.0
-    max_pull: float = 1.0
+    max_pull: float = 0.2
     bias_time: float = 20.0
 
     def __post_init__(self) -> None:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from holonom.devices.kernels import armature_step, gear_torque
 
-__all__ = ["BLOCKED", "DEAD", "RUNS", "find_material", "plant_step", "slip_friction"]
+__all__ = ["BLOCKED", "DEAD", "GRAVITY", "RUNS", "find_material", "plant_step", "slip_friction"]
 
 RUNS, DEAD, BLOCKED = 0, 1, 2
 """A motor that works, one without current that turns freely, one that is jammed."""
@@ -130,10 +130,7 @@ def _motor(wheel: Any, own: Any, h: float) -> None:
     else:
         own.current = armature_step(wheel.armature, before, own.voltage, speed)
         electric = (
-            wheel.torque_constant
-            * wheel.armature.back_emf
-            * wheel.armature.conductance
-            * (1.0 - wheel.armature.decay)
+            wheel.torque_constant * wheel.armature.back_emf * wheel.armature.conductance * (1.0 - wheel.armature.decay)
         )
     friction, slope = _friction(wheel.friction, speed)
     motor = wheel.torque_constant * own.current - friction
@@ -200,9 +197,7 @@ def _solve(
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _advance(
-    body: Any, state: Any, wheels: Records, states: Records, dx: float, dy: float, dw: float
-) -> None:
+def _advance(body: Any, state: Any, wheels: Records, states: Records, dx: float, dy: float, dw: float) -> None:
     """Forces at the end of the step, within the friction limit; speeds, energies and pose from them."""
     h = body.dt
     fx = fy = fw = 0.0

@@ -32,7 +32,9 @@ class BaseLog:
     estimated_pose, estimated_twist
         (N, 3) as the controller believes.
     reference_pose, reference_twist
-        (N, 3) as asked for.
+        (N, 3) as asked for at that time.
+    rate
+        (N,) part of the path's speed at which it is driven; below 1 once motors are lost that it would need.
     wheel_speeds, measured_speeds, reference_speeds
         (N, m) of the wheels, rad/s: true, by the encoders' observers, commanded.
     currents, measured_currents, voltages
@@ -63,6 +65,7 @@ class BaseLog:
     estimated_twist: Array
     reference_pose: Array
     reference_twist: Array
+    rate: Array
     wheel_speeds: Array
     measured_speeds: Array
     reference_speeds: Array
@@ -107,13 +110,16 @@ def log_of(
     time: Array,
     body: NDArray[np.void],
     wheels: NDArray[np.void],
-    reference: Array,
     names: Sequence[str],
     faults: Sequence[Event] = (),
 ) -> BaseLog:
     """Arrays and events from the records of the compiled loop."""
     named = (body["flagged"][:, None] >> np.arange(wheels.shape[1])) & 1 == 1
-    events = [*faults, *_slip_events(time, body["status"], named, names), *_dead_events(time, wheels["dead"], names)]
+    events = [
+        *faults,
+        *_slip_events(time, body["status"], named, names),
+        *_dead_events(time, wheels["dead"], body["rate"], names),
+    ]
 
     columns = body.view(np.float64).reshape(len(body), -1)
     groups, first = {}, 0
@@ -127,8 +133,9 @@ def log_of(
         twist=groups["twist"],
         estimated_pose=groups["estimated_pose"],
         estimated_twist=groups["estimated_twist"],
-        reference_pose=reference[:, :3],
-        reference_twist=reference[:, 3:6],
+        reference_pose=groups["reference_pose"],
+        reference_twist=groups["reference_twist"],
+        rate=groups["rate"][:, 0],
         wheel_speeds=wheels["speed"],
         measured_speeds=wheels["measured_speed"],
         reference_speeds=wheels["reference_speed"],
@@ -169,9 +176,19 @@ def _slip_text(status: SlipStatus, named: list[str]) -> str:
     return "a wheel slips; which one is ambiguous" if status == SlipStatus.AMBIGUOUS else ""
 
 
-def _dead_events(time: Array, dead: NDArray[np.bool_], names: Sequence[str]) -> list[Event]:
+def _dead_events(time: Array, dead: NDArray[np.bool_], rate: Array, names: Sequence[str]) -> list[Event]:
+    """When each motor was found dead, and at what part of its speed the path goes on."""
+    last = len(time) - 1
     return [
-        Event(float(time[k]), "error", "motor watch", f"the motor of {names[i]} does not do as told; driving without it")
+        Event(
+            float(time[k]), "error", "motor watch", f"the motor of {names[i]} does not do as told; {_go_on(rate[last])}"
+        )
         for i in range(dead.shape[1])
-        if (k := int(dead[:, i].argmax())) or dead[0, i]
+        if dead[last, i] and (k := int(dead[:, i].argmax())) >= 0
     ]
+
+
+def _go_on(rate: float) -> str:
+    if rate <= 0.0:
+        return "it is jammed, the base stops"
+    return "driving on without it" + (f", at {100.0 * rate:.0f} % of the speed" if rate < 0.999 else "")

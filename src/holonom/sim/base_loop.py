@@ -20,9 +20,12 @@ from holonom.control.base_kernels import (
     WatchParams,
     allocation,
     estimate_step,
+    feasible_rate,
+    force_part,
     ground_speed,
     keeping_step,
     pose_step,
+    reference_at,
     traction_step,
     wanted_acceleration,
     watch_step,
@@ -37,12 +40,13 @@ from holonom.devices.kernels import (
     friction_torque,
     tracking_step,
 )
-from holonom.mobile.slip_kernels import NO_SLIP, UNDETECTABLE, SlipParams, SlipState, slip_start, slip_step
+from holonom.mobile.slip_kernels import SlipParams, slip_start, slip_step
 from holonom.sim.base_kernels import BLOCKED, RUNS, find_material, plant_step
 
 __all__ = ["LoopParams", "SensorParams", "drive_open", "run_loop"]
 
-SLIPPING_WEIGHT = 0.05  # in the allocation of force: a wheel on ice is asked last
+STANDING = 500  # ms after which a base that had to stop is done
+SLIPPING_WEIGHT = 0.3  # in the allocation of force: a wheel on ice is asked last
 Floats = NDArray[np.float64]
 Records = NDArray[np.void]
 
@@ -66,8 +70,11 @@ class LoopParams(NamedTuple):
     watch: WatchParams
     slip: SlipParams
     rows: Floats  # (m, 3) rim speeds per (vx, vy, w)
+    residual: Floats  # (m, m) 1 - D D^+
     mass: float
     inertia: float
+    max_force: float  # N that one wheel is asked for, along its rim
+    rate_change: float  # 1/s, how fast the path may be slowed down
     detect: bool  # slip detection: leave the slipping wheel out of estimate and allocation
     control_traction: bool
     compensate: bool  # watch the motors, allocate without the dead
@@ -86,57 +93,62 @@ def run_loop(
     patches: Records,
     reference: Floats,
     faults: NDArray[np.int64],
-    noise: Floats,
+    rng: np.random.Generator,
     body_log: Records,
     wheel_log: Records,
-) -> None:
+) -> int:
     """Follow a reference (N, 9) from the present state and log each millisecond (docstring of `simulate_base`).
 
-    `faults` (k, 3): tick, wheel, kind, in order of time; `noise` (N, 3 + m): standard normal numbers.
+    `faults` (k, 3): tick, wheel, kind, in order of time. Returns the milliseconds it took, at most the logs' length.
     """
     m = len(wheels)
     b, base = body[0], state[0]
     rows, keeping = params.rows, params.keeping
-    D, inverse, precision = params.slip.coupling, params.slip.inverses[0], params.slip.weights
-    quiet = NO_SLIP if params.slip.redundancy > 0 else UNDETECTABLE
-    bound = params.slip.thresholds[0] if params.slip.redundancy > 0 else -1.0
     slip = slip_start()
     trust, weights, rims = np.ones(m), np.ones(m), np.zeros(m)
     acceleration, share = np.full(3, np.nan), np.zeros((m, 3))
     allocation(rows, weights, share)
-    fault, named, dead = 0, 0, 0
-    for k in range(len(reference)):
+    fault, named, dead, stood = 0, 0, 0, 0
+    phase, rate, goal, now = 0.0, 1.0, 1.0, np.zeros(9)
+    for k in range(len(body_log)):
+        if phase > len(reference) - 1 or stood >= STANDING:
+            return k
         while fault < len(faults) and faults[fault, 0] <= k:
             _break_motor(states[faults[fault, 1]], faults[fault, 2])
             fault += 1
-        gyro = base.w + sensors.gyro_bias + sensors.gyro_noise * noise[k, 0]
-        imu_x = base.ax + sensors.accelerometer_bias + sensors.accelerometer_noise * noise[k, 1]
-        imu_y = base.ay + sensors.accelerometer_bias + sensors.accelerometer_noise * noise[k, 2]
+        gyro = base.w + sensors.gyro_bias + sensors.gyro_noise * rng.standard_normal()
+        imu_x = base.ax + sensors.accelerometer_bias + sensors.accelerometer_noise * rng.standard_normal()
+        imu_y = base.ay + sensors.accelerometer_bias + sensors.accelerometer_noise * rng.standard_normal()
         for i in range(m):
-            rims[i] = _sense(wheels[i], states[i], sensors.current_noise * noise[k, 3 + i])
+            rims[i] = _sense(wheels[i], states[i], sensors.current_noise * rng.standard_normal())
         acceleration[0], acceleration[1] = imu_x, imu_y
-        vx, vy, rw, statistic = _fit(D, inverse, precision, rims, wheel_log[k])
-        if params.detect and (slip.level > 0 or not statistic <= bound):
+        if params.detect:
             slip, found = slip_step(params.slip, slip, rims, gyro - base.gyro_bias, acceleration)
             base.status, base.flagged = found.status, found.named
-        elif params.detect:  # `slip_step` would do no more than take the twist over
-            slip = SlipState(vx, vy, rw, 0.0, 0.0, 0, False, 0, 0, 0)
-            base.status, base.flagged = quiet, 0
         lost = _watch_motors(params.watch, wheels, states) if params.compensate else 0
         if lost != dead or base.flagged != named:
-            named, dead = base.flagged, lost
-            _set_weights(params.watch.standstill, params.control_traction, states, named, dead, trust, weights)
+            new, named, dead = lost != dead, base.flagged, lost
+            jammed = _set_weights(params.watch.standstill, params.control_traction, states, named, dead, trust, weights)
             allocation(rows, weights, share)
+            if new and jammed:
+                goal = 0.0
+            elif new:
+                rest = feasible_rate(share, reference, int(phase), params.mass, params.inertia, params.max_force)
+                goal = min(goal, rest)
+        change = max(min((goal - rate) / keeping.dt, params.rate_change), -params.rate_change)
+        reference_at(reference, phase, rate, change, now)
         twist = _estimate(params.estimate, rows, base, trust, rims, gyro, imu_x, imu_y)
         _log_body(base, gyro, imu_x, imu_y, body_log[k])
-        _log_wheels(wheels, states, dead, wheel_log[k])
-        command, ahead = _keep_path(keeping, base, reference[k])
+        _log_reference(now, rate, body_log[k])
+        _log_wheels(params.residual, rims, wheels, states, dead, wheel_log[k])
+        command, ahead = _keep_path(keeping, base, now)
         wanted = wanted_acceleration(keeping, command, twist, ahead)
         force = Planar(params.mass * wanted.x, params.mass * wanted.y, params.inertia * wanted.turn)
+        part = force_part(share, force, params.max_force)
         for i in range(m):
             wheel, own = wheels[i], states[i]
             own.rim_reference = ground_speed(rows, i, command)
-            push = ground_speed(share, i, force)
+            push = part * ground_speed(share, i, force)
             if params.control_traction:
                 push = _control_traction(params.traction, wheel, own, ground_speed(rows, i, twist), push)
             _drive(wheel, own, push, ground_speed(rows, i, wanted), (dead >> i) & 1 == 1)
@@ -144,6 +156,10 @@ def run_loop(
         _floor(floor, patches, base, wheels, states)
         for _ in range(b.substeps):
             plant_step(b, base, wheels, states, support)
+        phase += rate
+        rate += keeping.dt * change
+        stood = stood + 1 if rate <= 0.0 else 0
+    return len(body_log)
 
 
 @njit(cache=True, error_model="numpy")
@@ -222,18 +238,28 @@ def _watch_motors(params: WatchParams, wheels: Records, states: Records) -> int:
 @njit(cache=True, error_model="numpy", forceinline=True)
 def _set_weights(
     standstill: float, traction: bool, states: Records, named: int, dead: int, trust: Floats, weights: Floats
-) -> None:
-    """Which wheels are believed (a dead one that turns freely is), and which are asked for force."""
+) -> bool:
+    """Which wheels are believed (a dead one that turns freely is), and which are asked for force; whether one is jammed."""
+    stuck = False
     for i in range(len(states)):
         slips, gone = (named >> i) & 1 == 1, (dead >> i) & 1 == 1
         jammed = gone and abs(states[i].seen_speed) < standstill
+        stuck = stuck or jammed
         trust[i] = 0.0 if slips or jammed else 1.0
         weights[i] = 0.0 if gone else SLIPPING_WEIGHT if slips and traction else 1.0
+    return stuck
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def _estimate(
-    params: EstimateParams, rows: Floats, base: Any, trust: Floats, rims: Floats, gyro: float, imu_x: float, imu_y: float
+    params: EstimateParams,
+    rows: Floats,
+    base: Any,
+    trust: Floats,
+    rims: Floats,
+    gyro: float,
+    imu_x: float,
+    imu_y: float,
 ) -> Planar:
     before = Planar(base.seen_vx, base.seen_vy, base.seen_w)
     twist, base.gyro_bias = estimate_step(
@@ -281,26 +307,20 @@ def _drive(wheel: Any, own: Any, force: float, acceleration: float, dead: bool) 
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _fit(
-    D: Floats, inverse: Floats, precision: Floats, rims: Floats, rows: Records
-) -> tuple[float, float, float, float]:
-    """Twist (vx, vy, R w) of all wheels and the weighted square sum of what it leaves, which is logged."""
-    vx, vy, rw, total = 0.0, 0.0, 0.0, 0.0
-    for i in range(len(rims)):
-        vx += inverse[0, i] * rims[i]
-        vy += inverse[1, i] * rims[i]
-        rw += inverse[2, i] * rims[i]
-    for i in range(len(rims)):
-        left = rims[i] - D[i, 0] * vx - D[i, 1] * vy - D[i, 2] * rw
+def _log_wheels(residual: Floats, rims: Floats, wheels: Records, states: Records, dead: int, rows: Records) -> None:
+    for i in range(len(wheels)):
+        _log_wheel(wheels[i], states[i], (dead >> i) & 1 == 1, rows[i])
+        left = 0.0
+        for j in range(len(rims)):
+            left += residual[i, j] * rims[j]
         rows[i].residual = left
-        total += (precision[i] * left) ** 2
-    return vx, vy, rw, total
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _log_wheels(wheels: Records, states: Records, dead: int, rows: Records) -> None:
-    for i in range(len(wheels)):
-        _log_wheel(wheels[i], states[i], (dead >> i) & 1 == 1, rows[i])
+def _log_reference(now: Floats, rate: float, row: Any) -> None:
+    row.ref_x, row.ref_y, row.ref_theta = now[0], now[1], now[2]
+    row.ref_vx, row.ref_vy, row.ref_w = now[3], now[4], now[5]
+    row.rate = rate
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)

@@ -262,9 +262,7 @@ HEADINGS: Mapping[str, Callable[[CubicSpline, Array, float, float, float], Array
 """Heading (rad), its rate over the way (rad/m) and that rate's change in time (rad/m/s): (3, N)."""
 
 
-def _reference(
-    curve: CubicSpline, length: float, s: Array, speed: Array, gain: Array, heading: Array
-) -> ReferencePath:
+def _reference(curve: CubicSpline, length: float, s: Array, speed: Array, gain: Array, heading: Array) -> ReferencePath:
     d, dd = _on(curve, s, length, 1), _on(curve, s, length, 2)
     velocity = d * speed[:, None]
     acceleration = d * gain[:, None] + dd * (speed**2)[:, None]

@@ -15,7 +15,7 @@ from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile.base import WheelBase
 from holonom.mobile.wheel import Wheel
 from holonom.sim.base_floor import Floor, floor_table
-from holonom.sim.base_kernels import BLOCKED, DEAD
+from holonom.sim.base_kernels import BLOCKED, DEAD, GRAVITY
 from holonom.sim.base_log import BaseLog, log_of
 from holonom.sim.base_loop import drive_open
 from holonom.sim.base_records import BODY, BODY_SAMPLE, BODY_STATE, WHEEL, WHEEL_SAMPLE, WHEEL_STATE
@@ -154,13 +154,21 @@ class BasePlant:
         )  # fmt: skip
         time = self.time + TICK * np.arange(len(u))
         self.ticks += len(u)
-        return log_of(time, body_log, wheel_log, np.zeros((len(u), 9)), self.base.driven)
+        return log_of(time, body_log, wheel_log, self.base.driven)
 
     def kinetic_energy(self) -> float:
         """Kinetic energy (J) of body, wheels and rotors."""
         s = self.state[0]
         body = 0.5 * self.mass * (s["vx"] ** 2 + s["vy"] ** 2) + 0.5 * self.inertia * s["w"] ** 2
         return float(body + 0.5 * (self.wheels["inertia"] * self.states["speed"] ** 2).sum())
+
+    def max_force(self, friction: float) -> float:
+        """Force (N) along its rim that a wheel can be asked for: its motor's, or what an assumed friction carries."""
+        motor = self.drive.motor
+        torque = motor.torque_constant * min(motor.max_current, motor.max_voltage / motor.resistance)
+        radius = max(wheel.radius for wheel in self.driven)
+        load = self.mass * GRAVITY * float(self.support[: len(self.driven), 0].min())
+        return min(abs(self.drive.gear.ratio) * self.drive.gear.efficiency * torque / radius, friction * load)
 
     def wheel_index(self, wheel: int | str) -> int:
         """Index of a driven wheel given by name or index.

@@ -27,6 +27,9 @@ __all__ = ["BaseFault", "BaseSensors", "BaseSettings", "simulate_base"]
 
 Array = NDArray[np.float64]
 
+SLOWEST = 0.2  # part of the path's speed below which a run is cut off
+RATE_CHANGE = 1.0  # 1/s, how fast a path is slowed down
+
 
 @dataclass(frozen=True, slots=True)
 class BaseSensors:
@@ -56,7 +59,7 @@ class BaseSensors:
 
 
 SLIP = SlipSettings(
-    noise=0.004,
+    noise=0.005,
     rate_noise=0.004,
     rate_bias=0.003,
     max_acceleration=8.0,
@@ -71,7 +74,20 @@ SLIP = SlipSettings(
 
 @dataclass(frozen=True, slots=True)
 class BaseSettings:
-    """Controllers of a base; None switches traction control, slip detection or the watch over the motors off."""
+    """Controllers of a base; None switches traction control, slip detection or the watch over the motors off.
+
+    Attributes
+    ----------
+    keeping, estimate, traction, slip, watch, sensors
+        Their settings.
+    friction
+        Friction coefficient that the controller counts on; limits the force asked of a wheel.
+
+    Raises
+    ------
+    OutOfLimits
+        A friction coefficient that is not positive.
+    """
 
     keeping: KeepingSettings = KeepingSettings()
     estimate: EstimateSettings = EstimateSettings()
@@ -79,6 +95,11 @@ class BaseSettings:
     slip: SlipSettings | None = SLIP
     watch: WatchSettings | None = WatchSettings()
     sensors: BaseSensors = BaseSensors()
+    friction: float = 0.6
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.friction < math.inf:
+            raise OutOfLimits(f"BaseSettings: friction is {self.friction!r}; it must be finite and greater than 0")
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,7 +132,8 @@ def simulate_base(
 
     Controller at 1 kHz: encoders, gyro, accelerometers and shunts; slip detection; watch over the motors; velocity
     and pose by dead reckoning without the slipping wheel; path keeping; forces by the wheels that work; traction
-    control; speed loops. It is told of no fault and no patch. Plant at 1 kHz times `substeps`.
+    control; speed loops. It is told of no fault and no patch. Where the motors that are left cannot give the path's
+    accelerations it is driven slower (same curve); a jammed wheel stops the base. Plant at 1 kHz times `substeps`.
 
     Parameters
     ----------
@@ -139,11 +161,11 @@ def simulate_base(
     if np.linalg.matrix_rank(plant.rows) < 3:
         raise ModelError(f"base {base.name!r} cannot move in all directions; this path keeping needs one that can")
     reference = np.ascontiguousarray(np.hstack([path.pose, path.twist, path.acceleration]), float)
-    n, m = len(reference), len(plant.driven)
+    n, m = math.ceil(len(reference) / SLOWEST), len(plant.driven)
     plant.place(reference[0, :3], reference[0, 3:6])
     table = sorted((round(f.time / TICK), plant.wheel_index(f.wheel), FAULTS[f.kind]) for f in faults)
     body_log, wheel_log = np.zeros(n, BODY_SAMPLE), np.zeros((n, m), WHEEL_SAMPLE)
-    run_loop(
+    done = run_loop(
         _loop_params(plant, settings),
         settings.sensors.params(),
         plant.body,
@@ -155,12 +177,12 @@ def simulate_base(
         plant.patches,
         reference,
         np.array(table, dtype=np.int64).reshape(-1, 3),
-        rng.standard_normal((n, 3 + m)),
+        rng,
         body_log,
         wheel_log,
     )
     events = [Event(f.time, "warning", "plant", _fault_text(f, plant)) for f in faults]
-    return log_of(TICK * np.arange(n), body_log, wheel_log, reference, base.driven, events)
+    return log_of(TICK * np.arange(done), body_log[:done], wheel_log[:done], base.driven, events)
 
 
 def _loop_params(plant: BasePlant, settings: BaseSettings) -> LoopParams:
@@ -173,8 +195,11 @@ def _loop_params(plant: BasePlant, settings: BaseSettings) -> LoopParams:
         watch=(settings.watch or WatchSettings()).params(TICK),
         slip=slip_params(coupling, settings.slip or SLIP),
         rows=np.ascontiguousarray(plant.rows),
+        residual=np.eye(len(plant.rows)) - plant.rows @ np.linalg.pinv(plant.rows),
         mass=plant.mass,
         inertia=plant.inertia,
+        max_force=plant.max_force(settings.friction),
+        rate_change=RATE_CHANGE,
         detect=settings.slip is not None,
         control_traction=settings.traction is not None,
         compensate=settings.watch is not None,
