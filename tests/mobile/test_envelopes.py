@@ -11,7 +11,7 @@ from holonom.devices import DcMotor, Gear
 from holonom.errors import InputError, OutOfLimits, ShapeError
 from holonom.mobile import arrangements
 from holonom.mobile.coupling import Coupling, base_acceleration, omni_coupling, rim_speeds
-from holonom.mobile.drive_limits import GRAVITY, DriveLimits, drive_limits, wheel_loads
+from holonom.mobile.drive_limits import DriveLimits, drive_limits
 from holonom.mobile.envelopes import (
     Limit,
     acceleration_envelope,
@@ -23,6 +23,7 @@ from holonom.mobile.envelopes import (
 
 MOTOR = DcMotor(1.2, 0.56e-3, 0.0255, 0.0255, 92.5e-7, 24.0, 4.0, 0.1)
 GEAR = Gear(4.5, 0.9)
+GRAVITY = 9.81
 AROUND = np.linspace(0.0, 2.0 * np.pi, 37)
 
 
@@ -148,15 +149,17 @@ def test_turning_takes_from_the_rest():
 
 
 def test_load_moves_back_with_the_acceleration():
-    places = 0.09 * np.column_stack([np.cos(a := np.deg2rad([33, 147, 225, 315])), np.sin(a)])
-    N, shift = wheel_loads(places, 2.5, com=(0.005, -0.01), height=0.06)
-    assert N.sum() == pytest.approx(2.5 * GRAVITY)
-    np.testing.assert_allclose(N @ places, 2.5 * GRAVITY * np.array([0.005, -0.01]), atol=1e-12)
-    np.testing.assert_allclose(shift.sum(axis=0), 0.0, atol=1e-12)
-    np.testing.assert_allclose(places.T @ shift, -2.5 * 0.06 * np.eye(2), atol=1e-12)
-    base, phi = soccer(radius=0.09), AROUND
-    flat = acceleration_envelope(base, phi, DriveLimits(MOTOR, GEAR, 0.027, 2.5, 0.3, N))
-    tall = acceleration_envelope(base, phi, high := DriveLimits(MOTOR, GEAR, 0.027, 2.5, 0.3, N, shift))
+    phi = np.deg2rad([33, 147, 225, 315])
+    base = arrangements.omni(phi, radius=0.09, wheel_radius=0.027, mass=2.5, com=(0.005, -0.01), com_height=0.06)
+    high = drive_limits(base, MOTOR, GEAR, 0.3)
+    places = 0.09 * np.column_stack([np.cos(phi), np.sin(phi)])
+    assert high.loads.sum() == pytest.approx(2.5 * GRAVITY)
+    np.testing.assert_allclose(high.loads @ places, 2.5 * GRAVITY * np.array([0.005, -0.01]), atol=1e-12)
+    np.testing.assert_allclose(high.transfer.sum(axis=0), 0.0, atol=1e-12)
+    np.testing.assert_allclose(places.T @ high.transfer, -2.5 * 0.06 * np.eye(2), atol=1e-12)
+    phi = AROUND
+    flat = acceleration_envelope(base, phi, DriveLimits(MOTOR, GEAR, 0.027, 2.5, 0.3, high.loads))
+    tall = acceleration_envelope(base, phi, high)
     assert (np.abs(tall.value - flat.value) > 1e-3).any()
     for k in range(0, 37, 6):  # at the edge its own loads allow just that much
         own = high.grip(tall.value[k] * np.array([np.cos(phi[k]), np.sin(phi[k])]))
@@ -198,6 +201,4 @@ def test_errors_name_the_cause():
         limits(0.5, -1.0)
     with pytest.raises(ShapeError, match="transfer"):
         limits(0.5, transfer=np.zeros((3, 2)))
-    with pytest.raises(ShapeError, match="positions"):
-        wheel_loads(np.zeros(3), 1.0)
     assert effective_motors(Coupling(np.eye(3)), [0.0])[0] == pytest.approx(1.0)

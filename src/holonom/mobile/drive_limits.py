@@ -11,12 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from holonom.devices import DcMotor, Gear
 from holonom.errors import InputError, OutOfLimits, ShapeError
 from holonom.mobile.base import WheelBase
+from holonom.mobile.stability import wheel_loads
 
-__all__ = ["DriveLimits", "drive_limits", "wheel_loads"]
+__all__ = ["DriveLimits", "drive_limits"]
 
 Array = NDArray[np.float64]
-GRAVITY = 9.80665
-"""Standard gravity, m/s2."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,37 +101,8 @@ class DriveLimits:
         return grip
 
 
-def wheel_loads(
-    positions: ArrayLike, mass: float, *, com: ArrayLike = (0.0, 0.0), height: float = 0.0
-) -> tuple[Array, Array]:
-    """Load (n,), N, of each wheel of a rigid body on equal springs, and its change (n, 2) per acceleration (ax, ay).
-
-    `sum N = M g`, moments about the ground balance `M (g com - height a)`; more than three wheels share it with least
-    square sum.
-
-    Parameters
-    ----------
-    positions
-        (n, 2) contacts in base_link, m.
-    mass
-        kg.
-    com, height
-        Centre of mass (2,) in base_link and its height above ground, m.
-
-    Raises
-    ------
-    ShapeError
-    """
-    points = np.asarray(positions, float)
-    if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
-        raise ShapeError(f"positions have shape {points.shape}; they must be (n, 2) finite points")
-    share = np.linalg.pinv(np.vstack([np.ones(len(points)), points.T]))
-    x, y = np.asarray(com, float)
-    return mass * GRAVITY * share @ [1.0, x, y], -mass * height * share[:, 1:]
-
-
 def drive_limits(base: WheelBase, motor: DcMotor, gear: Gear, friction: float) -> DriveLimits:
-    """Limits of a base with equal driven wheels: loads from its mass, centre of mass and where its wheels stand.
+    """Limits of a base with equal driven wheels: loads from its mass, centre of mass and wheels (`wheel_loads`).
 
     Raises
     ------
@@ -146,8 +116,8 @@ def drive_limits(base: WheelBase, motor: DcMotor, gear: Gear, friction: float) -
     radii = np.unique(base.wheel_radii)
     if len(radii) > 1:
         raise InputError(f"base {base.name!r} drives wheels of radii {radii} m; make DriveLimits for equal wheels")
-    places = np.array([(w.x, w.y) for w in base.wheels])
-    loads, transfer = wheel_loads(places, base.mass, com=base.com, height=base.com_height)
+    loads = wheel_loads(base)
+    transfer = (wheel_loads(base, np.eye(2)) - loads).T
     if (loads < 0.0).any():
         name = base.wheels[int(loads.argmin())].name
         raise OutOfLimits(f"base {base.name!r} tips over: wheel {name!r} carries no load; move com between the wheels")
