@@ -108,6 +108,20 @@ def test_measured_acceleration_separates_too():
     assert not (detect_slip(base, m, settings, rate=gyro).status == SlipStatus.SLIP).any()
 
 
+def test_the_last_velocity_turns_against_the_base():
+    # a straight line at 3 m/s, the base spinning at 25 rad/s: no acceleration, but its twist turns in base_link
+    rng = np.random.default_rng(6)
+    base, t = symmetric(radius=0.09), 1e-3 * np.arange(N)
+    twist = np.column_stack([3.0 * np.cos(-25.0 * t), 3.0 * np.sin(-25.0 * t), np.full(N, 25.0)])
+    settings = SlipSettings(noise=NOISE, rate_noise=RATE_NOISE, acceleration_error=1.0, angular_acceleration_error=10.0)
+    for wheel in range(4):
+        m = rim_speeds(base, twist) + NOISE * rng.standard_normal((N, 4))
+        m[:, wheel] += burst(N, 200, 400, 1.0)
+        seen = detect_slip(base, m, settings, rate=twist[:, 2], acceleration=np.zeros((N, 3)))
+        assert (seen.wheel[215:400] == wheel).all()
+        assert np.abs(seen.twist - twist)[215:400, :2].max() < 0.15
+
+
 def test_three_wheels_cannot_tell_unless_a_second_source_contradicts():
     rng = np.random.default_rng(2)
     base = omni_coupling(np.deg2rad([90, 210, 330]), radius=0.1)
