@@ -35,6 +35,7 @@ Array = NDArray[np.float64]
 
 METHODS = ("least-squares", "umbmark")
 FILE, PICTURE = "odometry.json", "odometry.png"
+DRAWN = 12  # runs in the picture, the first ones
 
 
 def calibrate_odometry(
@@ -203,11 +204,12 @@ def _draw(log: OdometryLog, matrix: Array, rule: str, path: Path) -> None:
 
     nominal = drive_parameters(log.drive, log.nominal)
     before = nominal.matrix(nominal.nominal)
+    runs = log.runs[:DRAWN]
     drawn = {
-        name: [dead_reckoning(run, M, rule) for run in log.runs]
+        name: [dead_reckoning(run, M, rule) for run in runs]
         for name, M in (("nominal", before), ("calibrated", matrix))
     }
-    draw_odometry([run.truth for run in log.runs], drawn, names=[run.name for run in log.runs], save=path)
+    draw_odometry([run.truth for run in runs], drawn, names=[run.name for run in runs], save=path)
 
 
 def _text(data: Mapping[str, Any]) -> str:

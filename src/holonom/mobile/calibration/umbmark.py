@@ -121,7 +121,7 @@ def _ways(runs: Sequence[Run], side: float) -> Array:
         gap = float(np.hypot(*(run.truth[-1, :2] - run.truth[0, :2])))
         if abs(abs(turn) - 2.0 * np.pi) > 0.5 * np.pi or gap > 0.5 * side:
             raise CalibrationError(
-                f"run {run.name} turned by {np.degrees(turn):.0f} degrees and ended {gap:.3g} m from its start: "
+                f"run {run.name} turned by {abs(np.degrees(turn)):.0f} degrees and ended {gap:.3g} m from its start: "
                 f"UMBmark needs closed squares of side {side:g} m, turning by 360 degrees; leave it out, or use "
                 "least squares"
             )
@@ -194,6 +194,5 @@ def _notes(ways: Array) -> tuple[str, ...]:
     cw, ccw = int(np.sum(ways < 0)), int(np.sum(ways > 0))
     if min(cw, ccw) >= FEW:
         return ()
-    return (
-        f"{cw} runs clockwise and {ccw} counter-clockwise: {FEW} each way are usual, fewer leave chance in the means",
-    )
+    text = f"{cw} clockwise, {ccw} counter-clockwise; {FEW} each way are usual, fewer leave chance in the means"
+    return (f"squares: {text}",)

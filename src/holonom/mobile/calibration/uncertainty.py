@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 UNSEEN = 1e-7  # relative singular value below which a combination has no effect at all
 OPEN = 0.3  # standard deviation of a combination, relative to the parameters' scale, above which it is left open
 MOST = 4  # names in a message
-NAMED = 0.3  # share of a parameter in such a combination above which it is named
+NAMED = 0.05  # share of a parameter in such a combination above which it is named
 
 ADVICE = {
     "diameter": "drive a longer way, straight and with turns",
