@@ -28,8 +28,8 @@ class TractionSettings:
         Not `0 < free_slip < max_slip`, or a time that is not positive.
     """
 
-    free_slip: float = 0.04
-    max_slip: float = 0.08
+    free_slip: float = 0.06
+    max_slip: float = 0.15
     cut_time: float = 0.02
     recovery_time: float = 0.2
 

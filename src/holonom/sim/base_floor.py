@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from holonom.errors import OutOfLimits
 
-__all__ = ["CARPET", "ICE", "RoundPatch", "Floor", "Material", "RectangularPatch", "floor_table"]
+__all__ = ["CARPET", "ICE", "Floor", "Material", "RectangularPatch", "RoundPatch", "floor_table"]
 
 MATERIAL = np.dtype([("stiffness", np.float64), ("shape", np.float64), ("peak", np.float64)])
 """B (s/m), C, D of the magic formula."""

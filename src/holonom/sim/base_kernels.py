@@ -1,9 +1,10 @@
 """One step of a base's plant, compiled: motors, wheels, slip on the floor and the rigid body, semi-implicit.
 
 The slip force is stiff: a wheel of 0.1 kg at its rim follows the floor within a fraction of a millisecond. Force is
-therefore taken as `F + k ds` with the slope k of the slip curve (where it rises) and the slip at the end of the step, the motor
-torque as `T - c dphid`; wheels are eliminated, a symmetric 3 x 3 system is left (linearly implicit Euler; Hairer & Wanner, Solving
-ODEs II, IV.7). Forces are then held to the friction limit, and speeds follow from the forces, so that energy balances to rounding.
+therefore taken as `F + k ds`, with the slope k of the slip curve (where it rises) and the slip at the end of the
+step, the motor torque as `T - c dphid`; wheels are eliminated, a symmetric 3 x 3 system is left (linearly implicit
+Euler; Hairer & Wanner, Solving ODEs II, IV.7). Forces are then held to the friction limit, and speeds follow from
+the forces, so that mechanical energy balances to rounding.
 """
 
 from __future__ import annotations

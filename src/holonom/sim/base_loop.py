@@ -74,6 +74,7 @@ class LoopParams(NamedTuple):
     mass: float
     inertia: float
     max_force: float  # N that one wheel is asked for, along its rim
+    reserve: float  # part of it that a slowed-down path may need
     rate_change: float  # 1/s, how fast the path may be slowed down
     detect: bool  # slip detection: leave the slipping wheel out of estimate and allocation
     control_traction: bool
@@ -133,7 +134,9 @@ def run_loop(
             if new and jammed:
                 goal = 0.0
             elif new:
-                rest = feasible_rate(share, reference, int(phase), params.mass, params.inertia, params.max_force)
+                rest = feasible_rate(
+                    share, reference, int(phase), params.mass, params.inertia, params.reserve * params.max_force
+                )
                 goal = min(goal, rest)
         change = max(min((goal - rate) / keeping.dt, params.rate_change), -params.rate_change)
         reference_at(reference, phase, rate, change, now)
@@ -239,7 +242,7 @@ def _watch_motors(params: WatchParams, wheels: Records, states: Records) -> int:
 def _set_weights(
     standstill: float, traction: bool, states: Records, named: int, dead: int, trust: Floats, weights: Floats
 ) -> bool:
-    """Which wheels are believed (a dead one that turns freely is), and which are asked for force; whether one is jammed."""
+    """Which wheels are believed (a dead one that turns freely is) and asked for force; whether one is jammed."""
     stuck = False
     for i in range(len(states)):
         slips, gone = (named >> i) & 1 == 1, (dead >> i) & 1 == 1

@@ -228,9 +228,9 @@ def _in_time(s: Array, square: Array, rise: float, rest: float) -> tuple[Array, 
     """Distance, speed and acceleration along the way at 1 kHz, smoothed, resting at both ends."""
     v = np.sqrt(square)
     t = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(s) / (v[1:] + v[:-1]))])
-    window = max(int(round(rise / TICK)), 1)
-    pad = int(round(rest / TICK)) + window
-    n = int(math.ceil(t[-1] / TICK)) + 1
+    window = max(round(rise / TICK), 1)
+    pad = round(rest / TICK) + window
+    n = math.ceil(t[-1] / TICK) + 1
     speed = np.pad(np.interp(TICK * np.arange(n), t, v, right=0.0), pad)
     for _ in range(2):
         speed = uniform_filter1d(speed, window, mode="constant")
@@ -274,7 +274,7 @@ def _reference(curve: CubicSpline, length: float, s: Array, speed: Array, gain: 
 
     turn, turn_change = rate * speed, rate * gain + change * speed
     return ReferencePath(
-        TICK * np.arange(len(s)),
+        TICK * np.arange(len(s), dtype=np.float64),
         np.column_stack([_on(curve, s, length, 0), theta]),
         np.column_stack([in_base(velocity), turn]),
         np.column_stack([in_base(acceleration), turn_change]),

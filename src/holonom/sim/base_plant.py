@@ -1,9 +1,9 @@
-"""`BasePlant`: a base whose driven wheels are fixed or Swedish, with motors, slip and a rigid body (specification 06.2)."""
+"""`BasePlant`: a base with fixed or Swedish driven wheels, motors, slip and a rigid body (specification 06.2)."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -55,7 +55,7 @@ class BaseDrive:
     motor: DcMotor
     gear: Gear
     encoder: Encoder
-    friction: Friction = Friction()
+    friction: Friction = field(default_factory=Friction)
     wheel_inertia: float = 2.5e-5
     roller_drag: float = 0.02
 
@@ -152,7 +152,7 @@ class BasePlant:
             self.body, self.state, self.wheels, self.states, self.support, self.floor, self.patches, u,
             body_log, wheel_log,
         )  # fmt: skip
-        time = self.time + TICK * np.arange(len(u))
+        time = self.time + TICK * np.arange(len(u), dtype=np.float64)
         self.ticks += len(u)
         return log_of(time, body_log, wheel_log, self.base.driven)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ __all__ = ["BaseFault", "BaseSensors", "BaseSettings", "simulate_base"]
 Array = NDArray[np.float64]
 
 SLOWEST = 0.2  # part of the path's speed below which a run is cut off
+RESERVE = 0.85  # part of the largest force that a slowed-down path may need; the rest is for errors
 RATE_CHANGE = 1.0  # 1/s, how fast a path is slowed down
 
 
@@ -59,7 +60,7 @@ class BaseSensors:
 
 
 SLIP = SlipSettings(
-    noise=0.005,
+    noise=0.004,
     rate_noise=0.004,
     rate_bias=0.003,
     max_acceleration=8.0,
@@ -89,11 +90,11 @@ class BaseSettings:
         A friction coefficient that is not positive.
     """
 
-    keeping: KeepingSettings = KeepingSettings()
-    estimate: EstimateSettings = EstimateSettings()
-    traction: TractionSettings | None = TractionSettings()
+    keeping: KeepingSettings = field(default_factory=KeepingSettings)
+    estimate: EstimateSettings = field(default_factory=EstimateSettings)
+    traction: TractionSettings | None = field(default_factory=TractionSettings)
     slip: SlipSettings | None = SLIP
-    watch: WatchSettings | None = WatchSettings()
+    watch: WatchSettings | None = field(default_factory=WatchSettings)
     sensors: BaseSensors = BaseSensors()
     friction: float = 0.6
 
@@ -182,7 +183,7 @@ def simulate_base(
         wheel_log,
     )
     events = [Event(f.time, "warning", "plant", _fault_text(f, plant)) for f in faults]
-    return log_of(TICK * np.arange(done), body_log[:done], wheel_log[:done], base.driven, events)
+    return log_of(TICK * np.arange(done, dtype=np.float64), body_log[:done], wheel_log[:done], base.driven, events)
 
 
 def _loop_params(plant: BasePlant, settings: BaseSettings) -> LoopParams:
@@ -199,6 +200,7 @@ def _loop_params(plant: BasePlant, settings: BaseSettings) -> LoopParams:
         mass=plant.mass,
         inertia=plant.inertia,
         max_force=plant.max_force(settings.friction),
+        reserve=RESERVE,
         rate_change=RATE_CHANGE,
         detect=settings.slip is not None,
         control_traction=settings.traction is not None,
