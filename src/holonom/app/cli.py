@@ -84,6 +84,22 @@ def _calibrate_dynamics(options: argparse.Namespace) -> Answer:
     )
 
 
+def _calibrate_odometry(options: argparse.Namespace) -> Answer:
+    from holonom.app.calibrate_odometry import calibrate_odometry
+
+    return calibrate_odometry(
+        options.logs,
+        drive=options.drive,
+        method=options.method,
+        parameters=options.parameters,
+        form=options.form,
+        rule=options.rule,
+        held_out=options.held_out,
+        allow_gaps=options.allow_gaps,
+        output=options.output,
+    )
+
+
 def _bench(options: argparse.Namespace) -> Answer:
     from holonom.app.bench import run_benchmarks
 
@@ -148,6 +164,25 @@ def _add_calibrate(commands: Commands[argparse.ArgumentParser]) -> None:
     _add_output(dynamics, "dynamics.json goes here")
     _add_json(dynamics)
     dynamics.set_defaults(command=_calibrate_dynamics)
+    _add_calibrate_odometry(subjects)
+
+
+def _add_calibrate_odometry(subjects: Commands[argparse.ArgumentParser]) -> None:
+    odometry = subjects.add_parser("odometry", help="wheels of a mobile base, from logs of them and the truth")
+    odometry.add_argument("logs", metavar="LOG|FOLDER", nargs="+", type=Path, help="OptiOdom folder, TOML, CSV or MCAP")
+    drives = ("differential", "tricycle", "omni3", "mecanum")
+    odometry.add_argument("--drive", choices=drives, help="that of the logs unless given")
+    odometry.add_argument("--method", choices=("umbmark", "least-squares"), default="least-squares")
+    sets = ("physical", "extended")
+    odometry.add_argument("--parameters", choices=sets, help="of least squares; extended where the motion tells them")
+    odometry.add_argument("--form", choices=("x", "y", "mean"), default="x", help="of UMBmark, x unless given")
+    rules = ("turn_then_drive", "midpoint", "exact")
+    odometry.add_argument("--rule", choices=rules, default="midpoint", help="of integration, midpoint unless given")
+    odometry.add_argument("--held-out", action="store_true", help="also errors of each run by the others' calibration")
+    odometry.add_argument("--allow-gaps", action="store_true", help="gaps in a log are a note, not an error")
+    _add_output(odometry, "odometry.json and a picture of the paths go here")
+    _add_json(odometry)
+    odometry.set_defaults(command=_calibrate_odometry)
 
 
 def _add_bench(commands: Commands[argparse.ArgumentParser]) -> None:
