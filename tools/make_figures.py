@@ -17,7 +17,9 @@ import holonom as hm
 from holonom import plots
 from holonom.mechanics import Arm, IkStatus, motion
 from holonom.mechanics.simulate import ComputedTorque, simulate_ensemble
+from holonom.mobile import arrangements, stability
 from holonom.plots.arm import draw_sticks, room
+from holonom.plots.base import draw_base_on
 from holonom.plots.skeleton import reach, sticks
 
 PICTURES = Path(__file__).resolve().parents[1] / "docs" / "pictures"
@@ -130,8 +132,55 @@ def ensemble() -> Figure:
     return figure
 
 
+def bases() -> Figure:
+    """Every arrangement of wheels on the way, with its centre of rotation."""
+    figure = Figure(figsize=(11.0, 6.6), layout="constrained")
+    moving = {
+        "differential": (arrangements.differential(0.3, 0.06), (0.4, 0.0, 1.4)),
+        "tricycle": (arrangements.tricycle(1.2, 0.8, 0.16), (0.4, 0.0, 0.35)),
+        "ackermann": (arrangements.ackermann(2.5, 1.5, 0.32), (1.0, 0.0, 0.25)),
+        "synchro": (arrangements.synchro(0.25, 0.07), (0.3, 0.2, 0.0)),
+        "omni": (arrangements.omni(n=3, radius=0.2, wheel_radius=0.06), (0.3, 0.0, 1.0)),
+        "mecanum": (arrangements.mecanum(0.4, 0.3, 0.08), (0.3, 0.3, 0.0)),
+        "swerve": (arrangements.swerve(wheelbase=0.5, track=0.4, wheel_radius=0.07), (0.3, 0.2, 0.9)),
+        "sphere": (arrangements.sphere(0.11), (0.3, 0.1, 0.0)),
+    }
+    for k, (name, (base, twist)) in enumerate(moving.items()):
+        axes = figure.add_subplot(2, 4, k + 1)
+        draw_base_on(axes, base, twist, names=False)
+        axes.set_title(name, fontsize=10)
+        axes.set(xticks=[], yticks=[], xlabel="", ylabel="")
+    entries: dict[str, Any] = {}
+    for axes in figure.axes:
+        entries |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+    figure.legend(entries.values(), entries.keys(), loc="outside lower center", ncols=5, fontsize=9, frameon=False)
+    return figure
+
+
+def tipping() -> Figure:
+    """How hard a car and a tricycle may accelerate in every direction before a wheel lifts."""
+    figure = Figure(figsize=(8.4, 4.2), layout="constrained")
+    body = {"com": (0.5, 0.0), "com_height": 0.5}
+    tricycle = arrangements.tricycle(1.2, 0.8, 0.16, **body)
+    car = arrangements.ackermann(1.2, 0.8, 0.16, **body)
+    angle = np.linspace(0.0, 2.0 * np.pi, 721)
+    left = figure.add_subplot(1, 2, 1)
+    draw_base_on(left, tricycle)
+    left.set_title("the tricycle", fontsize=10)
+    polar: Any = figure.add_subplot(1, 2, 2, projection="polar")
+    polar.set_theta_zero_location("N")
+    for base, color in ((tricycle, "#D55E00"), (car, "#0072B2")):
+        limit = stability.acceleration_limit(base, angle)
+        polar.plot(angle, limit, color=color, label="tricycle" if base is tricycle else "four wheels")
+    polar.set_title("largest acceleration (m/s²) by direction", fontsize=10)
+    polar.set_rlabel_position(68)
+    polar.legend(loc="lower left", bbox_to_anchor=(-0.18, -0.1), fontsize=8)
+    return figure
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
-    f.__name__: f for f in (presets, branches, workspace, manipulability, ellipsoids, profiles, retimed, ensemble)
+    f.__name__: f
+    for f in (presets, branches, workspace, manipulability, ellipsoids, profiles, retimed, ensemble, bases, tipping)
 }
 
 

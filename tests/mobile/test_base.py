@@ -293,6 +293,9 @@ def test_unknown_names_and_constant_couplings():
         WheelBase([wheel], steering_groups={"g": ["frnt"]})
     with pytest.raises(ModelError, match="another group"):
         WheelBase([wheel], steering_groups={"g": ["front"], "h": ["front"]})
+    rear = [Wheel.at("steered", -0.1, y, radius=0.1, name=f"rear {y}") for y in (0.1, -0.1)]
+    with pytest.raises(ModelError, match="name of a wheel that steers alone"):
+        WheelBase([wheel, *rear], steering_groups={"front": [w.name for w in rear]})
     with pytest.raises(UnknownName, match="wheel_speeds"):
         BASES["omni3"].equation("wheelspeeds")
     with pytest.raises(InputError, match="its coupling is no constant"):

@@ -223,7 +223,7 @@ class WheelBase:
         at = self.steering(twist) if steering is None else self._angles(steering)
         xi = np.broadcast_to(samples("twist", twist, 3), (*dragged.shape[:-1], 3))[row]
         speed = self.sliding_matrix(np.broadcast_to(at, (*dragged.shape[:-1], at.shape[-1]))[row]) @ xi
-        worst = int(np.abs(speed).argmax())
+        worst = int(np.argmax(np.abs(speed) > (1.0 - 1e-9) * np.abs(speed).max()))  # the first of those on one axle
         place = f" in row {tuple(int(k) for k in row)}" if row else ""
         raise OutOfLimits(
             f"twist ({', '.join(f'{v:.6g}' for v in xi)}){place} would drag wheel {self.sliding_names[worst]!r} "

@@ -47,6 +47,9 @@ def steering_groups(
                     f"base {base!r}: group {group!r} has {member!r}, which is not steered or in another group"
                 )
             owner[place[member]] = group
+    alone = {w.name for i, w in enumerate(wheels) if w.kind == "steered" and i not in owner}
+    for group in alone.intersection(stated):
+        raise ModelError(f"base {base!r}: group {group!r} has the name of a wheel that steers alone; name it otherwise")
     groups: dict[str, tuple[int, ...]] = {}
     for i, wheel in enumerate(wheels):
         if wheel.kind == "steered":

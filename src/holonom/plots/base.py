@@ -81,7 +81,8 @@ def draw_base_on(
     size = _size(base)
     _support(axes, base)
     _body(axes, base, size)
-    reach = [np.zeros(2), *contact_points(base)]
+    reach = [p + e * w.radius for w, p in zip(base.wheels, contact_points(base), strict=True) for e in (-1.0, 1.0)]
+    reach.append(np.zeros(2))
     centre = None
     if xi is not None and np.any(xi):
         found = centre_of_twist(xi)
@@ -127,7 +128,7 @@ def _xy(points: ArrayLike) -> tuple[Array, Array]:
 def _frame(axes: Any, reach: list[Array], size: float) -> tuple[Array, Array]:
     """Set limits around what is drawn; return its corners in base_link."""
     points = np.array(reach)
-    low, high = points.min(axis=0) - 0.42 * size, points.max(axis=0) + 0.42 * size
+    low, high = points.min(axis=0) - 0.22 * size, points.max(axis=0) + 0.22 * size
     axes.set_aspect("equal")
     axes.set_xlim(-high[1], -low[1])
     axes.set_ylim(low[0], high[0])
