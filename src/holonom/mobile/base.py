@@ -14,7 +14,7 @@ from holonom.mobile import base_equations
 from holonom.mobile.castors import CastorRates, castor_rates
 from holonom.mobile.equations.base_models import Layout
 from holonom.mobile.evaluation import BaseEquation, product, samples
-from holonom.mobile.mobility import check_movable, free_twists
+from holonom.mobile.mobility import check_movable, seen_twists
 from holonom.mobile.wheel import KINDS, Wheel
 from holonom.mobile.wheel_set import named_wheels, positive
 from holonom.mobile.wheel_set import steering_groups as grouped
@@ -287,16 +287,13 @@ class WheelBase:
         return [n in steered for n in self.sliding_names]
 
     def _projected(self, twists: Array, C1: Array) -> Array:
-        """The part of twists (..., 3) that rows (..., n, 3) do not see."""
+        """The part of twists (..., 3) that rows (..., n, 3) do not see, square in (vx, vy, R w)."""
         if C1.shape[-2] == 0:
             return twists.copy()
-        flat = [self._projector(rows) for rows in C1.reshape(-1, *C1.shape[-2:])]
-        P = np.array(flat).reshape(*C1.shape[:-2], 3, 3)
-        return np.einsum("...ij,...j->...i", P, twists)
-
-    def _projector(self, C1: Array) -> Array:
-        free = free_twists(self.radius, C1)
-        return free @ (free.T * np.array([1.0, 1.0, self.radius**2]))
+        seen = seen_twists(self.radius, C1)
+        scale = np.array([1.0, 1.0, self.radius])
+        scaled = twists * scale
+        return (scaled - np.einsum("...ki,...kj,...j->...i", seen, seen, scaled)) / scale
 
     def castor_rates(self, twist: ArrayLike, turned: ArrayLike | None = None) -> CastorRates:
         """How the castors follow a twist (..., 3): see `castors.castor_rates`."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from holonom.errors import ModelError
 from holonom.mobile.centre import axle_miss
 from holonom.mobile.equations.base_models import Axle, Layout, axles_at, sliding_rows, steering_angles
+from holonom.mobile.wheel import KINDS
 
 if TYPE_CHECKING:
     from holonom.mobile.base import WheelBase
@@ -61,7 +62,7 @@ def conflicting_wheels(layout: Layout) -> tuple[int, ...]:
     """A smallest set of wheels that cannot roll together: without any one of them the others could; () if all can."""
     if stance(layout) is not None:
         return ()
-    kept = [i for i, w in enumerate(layout.wheels) if w.kind in ("fixed", "steered")]
+    kept = [i for i, w in enumerate(layout.wheels) if KINDS[w.kind].sliding(w, 0.0, 1.0)]
     for i in tuple(kept):
         fewer = [k for k in kept if k != i]
         if stance(_part(layout, fewer)) is None:
@@ -138,11 +139,23 @@ def _motions(layout: Layout, held: Sequence[int], steering: Sequence[float]) -> 
     return free_twists(layout.radius, _matrix(chosen, [axles[i] for i in held]))
 
 
+def seen_twists(radius: float, C1: Array) -> Array:
+    """Row space (..., 3, 3) of sliding rows (..., n, 3): orthonormal rows in (vx, vy, R w), zero beyond the rank."""
+    _, s, Vt = np.linalg.svd(_scaled(radius, C1))
+    basis: Array = np.where(s[..., None] > RANK, Vt[..., :3, :], 0.0)
+    return basis
+
+
 def free_twists(radius: float, C1: Array) -> Array:
-    """Null space (3, dm) of sliding rows (rows, 3), w scaled by the radius: orthonormal in (vx, vy, R w)."""
-    scale = np.array([1.0, 1.0, 1.0 / radius])
-    _, s, Vt = np.linalg.svd(np.concatenate([C1 * scale, np.zeros((3, 3))]))
-    return scale[:, None] * Vt[np.count_nonzero(s > RANK) :].T
+    """Null space (3, dm) of sliding rows (n, 3): twists, orthonormal in (vx, vy, R w)."""
+    _, s, Vt = np.linalg.svd(_scaled(radius, C1))
+    return np.array([[1.0], [1.0], [1.0 / radius]]) * Vt[np.count_nonzero(s > RANK) :].T
+
+
+def _scaled(radius: float, C1: Array) -> Array:
+    """Rows for (vx, vy, R w), with rows of zeros so that there are three singular values."""
+    rows = C1 * np.array([1.0, 1.0, 1.0 / radius])
+    return np.concatenate([rows, np.zeros((*rows.shape[:-2], 3, 3))], axis=-2)
 
 
 def _rows(layout: Layout, steering: Sequence[float]) -> Array:
