@@ -186,6 +186,19 @@ def test_one_sample_at_a_time_is_the_same():
         np.testing.assert_array_equal([said.vx, said.vy, said.rw / base.radius], seen.twist[k])
 
 
+def test_a_sample_that_is_no_number_is_not_trusted():
+    params, state, unknown = slip_params(symmetric(), LIMITED), slip_start(), np.full(3, np.nan)
+    for _ in range(3):
+        state, _ = slip_step(params, state, np.zeros(4), 0.0, unknown)
+    for _ in range(20):
+        state, said = slip_step(params, state, np.array([0.0, np.nan, 0.0, 0.0]), 0.0, unknown)
+    assert said.status == SlipStatus.AMBIGUOUS
+    assert np.isfinite([state.vx, state.vy, state.rw, state.slack]).all()
+    for _ in range(20):
+        state, said = slip_step(params, state, np.zeros(4), 0.0, unknown)
+    assert said.status == SlipStatus.NO_SLIP
+
+
 def test_wheels_that_no_other_checks_are_known():
     # three of four wheels drive along x: only the fourth gives vy
     D = np.array([[1, 0, 1], [1, 0, -1], [1, 0, 0.5], [0, 1, 0]], float)
@@ -214,6 +227,8 @@ def test_errors_name_the_cause():
     base = soccer()
     with pytest.raises(ModelError, match="rank below 3"):
         detect_slip(base.velocity[:2], np.zeros((1, 2)), PLAIN)
+    with pytest.raises(ModelError, match="omni or mecanum"):
+        detect_slip(arrangements.differential(0.3, 0.05), np.zeros((1, 2)), PLAIN)
     with pytest.raises(ShapeError, match="speeds"):
         detect_slip(base, np.zeros((5, 3)), PLAIN)
     with pytest.raises(ShapeError, match="sample 3"):

@@ -145,7 +145,7 @@ def detect_slip(
     base
         A base, its coupling, or D (n, 3) of a base of radius 1 m.
     speeds
-        (N, n) rim speeds, m/s (radius times speed of each wheel).
+        (N, n) rim speeds, m/s: `base.wheel_radii` times the wheel speeds of a `WheelBase`.
     settings
         Noise, limits, how sure to be.
     rate
