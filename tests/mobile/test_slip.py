@@ -186,13 +186,15 @@ def test_one_sample_at_a_time_is_the_same():
         np.testing.assert_array_equal([said.vx, said.vy, said.rw / base.radius], seen.twist[k])
 
 
-def test_a_sample_that_is_no_number_is_not_trusted():
+def test_an_encoder_that_gives_no_number_is_named_and_left_out():
     params, state, unknown = slip_params(symmetric(), LIMITED), slip_start(), np.full(3, np.nan)
     for _ in range(3):
         state, _ = slip_step(params, state, np.zeros(4), 0.0, unknown)
     for _ in range(20):
         state, said = slip_step(params, state, np.array([0.0, np.nan, 0.0, 0.0]), 0.0, unknown)
-    assert said.status == SlipStatus.AMBIGUOUS
+    assert said.status == SlipStatus.SLIP
+    assert said.named == 1 << 1
+    assert (said.vx, said.vy, said.rw) == (0.0, 0.0, 0.0)
     assert np.isfinite([state.vx, state.vy, state.rw, state.slack]).all()
     for _ in range(20):
         state, said = slip_step(params, state, np.zeros(4), 0.0, unknown)
