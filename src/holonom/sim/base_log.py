@@ -16,6 +16,8 @@ __all__ = ["BaseLog", "log_of"]
 
 Array = NDArray[np.float64]
 
+PAUSE = 200  # ms
+
 
 @dataclass(frozen=True, slots=True)
 class BaseLog:
@@ -159,21 +161,27 @@ def log_of(
 
 
 def _slip_events(time: Array, status: NDArray[np.int64], named: NDArray[np.bool_], names: Sequence[str]) -> list[Event]:
-    """An event wherever the detector says something new."""
-    changed = np.flatnonzero((np.diff(status) != 0) | (np.diff(named, axis=0).any(axis=1))) + 1
-    return [
-        Event(float(time[k]), "info" if status[k] == SlipStatus.NO_SLIP else "warning", "slip detection", text)
-        for k in changed
-        if (text := _slip_text(SlipStatus(status[k]), [n for n, s in zip(names, named[k], strict=True) if s]))
-    ]
+    """An event wherever the detector says something new; silence of less than `PAUSE` ends nothing."""
+    slips = (status == SlipStatus.SLIP) | (status == SlipStatus.AMBIGUOUS)
+    changed = np.flatnonzero((np.diff(status, prepend=0) != 0) | np.diff(named, axis=0, prepend=False).any(axis=1))
+    events: list[Event] = []
+    said = ""
+    for k in changed:
+        if slips[k]:
+            text = _slip_text([n for n, s in zip(names, named[k], strict=True) if s])
+            if text != said:
+                events.append(Event(float(time[k]), "warning", "slip detection", text))
+            said = text
+        elif said and not slips[k : k + PAUSE].any():
+            events.append(Event(float(time[k]), "info", "slip detection", "no wheel slips any more"))
+            said = ""
+    return events
 
 
-def _slip_text(status: SlipStatus, named: list[str]) -> str:
-    if status == SlipStatus.NO_SLIP:
-        return "no wheel slips any more"
-    if named:
-        return f"{' and '.join(named)} slips" if len(named) == 1 else f"{' and '.join(named)} slip"
-    return "a wheel slips; which one is ambiguous" if status == SlipStatus.AMBIGUOUS else ""
+def _slip_text(named: list[str]) -> str:
+    if not named:
+        return "a wheel slips; which one is ambiguous"
+    return f"{' and '.join(named)} {'slips' if len(named) == 1 else 'slip'}"
 
 
 def _dead_events(time: Array, dead: NDArray[np.bool_], rate: Array, names: Sequence[str]) -> list[Event]:
