@@ -163,10 +163,12 @@ def _polar(job: BaseJob, found: Findings) -> Figures:
 
 def _curves(log: BaseLog, bare: BaseLog) -> list[Curve]:
     names, t = log.wheels, log.time
-    error = 1e3 * np.stack([log.path_error, bare.path_error], axis=1)
     status = np.stack([log.status == SlipStatus.SLIP, log.status == SlipStatus.AMBIGUOUS, log.dead.any(axis=1)], axis=1)
     return [
-        Curve("path_error", "Path error", "mm", t, error, ("handled", "without handling")),
+        Curve("path_error", "Path error", "mm", t, 1e3 * log.path_error[:, None], ("distance",)),
+        Curve(
+            "bare_error", "Path error without handling", "mm", bare.time, 1e3 * bare.path_error[:, None], ("distance",)
+        ),
         Curve("residual", "Rim speed that no twist explains", "m/s", t, log.residuals, names),
         Curve("slip", "Slip, true", "m/s", t, log.slip, names),
         Curve(
@@ -175,7 +177,6 @@ def _curves(log: BaseLog, bare: BaseLog) -> list[Curve]:
         Curve("force", "Driving force", "N", t, log.forces, names),
         Curve("speed", "Wheel speed", "rad/s", t, log.wheel_speeds, names),
         Curve("current", "Motor current", "A", t, log.currents, names),
-        Curve("voltage", "Motor voltage", "V", t, log.voltages, names),
     ]
 
 
