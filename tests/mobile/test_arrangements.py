@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from bases import presets
 
-from holonom.errors import ModelError, ShapeError, UnknownName
+from holonom.errors import InputError, ModelError, ShapeError, UnknownName
 from holonom.mobile import arrangements as arr
 from holonom.mobile.arrangements import ARRANGEMENTS, arrangement
 from holonom.mobile.base import WheelBase
@@ -151,7 +151,7 @@ def test_every_arrangement_drives_forwards(kind):
         arrangement(kind)(**plain[kind], wheel_radius=0.0)
     for length in plain[kind]:
         if length != "n":
-            with pytest.raises(ModelError, match="length above zero"):
+            with pytest.raises(ModelError, match="number above zero"):
                 arrangement(kind)(**(plain[kind] | {length: 0.0}), wheel_radius=0.05)
     with pytest.raises(TypeError, match="masss"):
         arrangement(kind)(**plain[kind], wheel_radius=0.05, masss=5.0)
@@ -168,12 +168,15 @@ def test_names_of_presets_cover_the_table():
     [
         (lambda: arr.omni(radius=0.2, wheel_radius=0.05), "either angles="),
         (lambda: arr.omni([0.0, 1.0, 2.0], n=3, radius=0.2, wheel_radius=0.05), "either angles="),
-        (lambda: arr.omni(n=1, radius=0.2, wheel_radius=0.05), "at least 2"),
+        (lambda: arr.omni(n=1, radius=0.2, wheel_radius=0.05), "whole number from 2"),
         (lambda: arr.swerve(wheel_radius=0.1), "either positions="),
         (lambda: arr.swerve(wheelbase=0.3, wheel_radius=0.1), "either positions="),
         (lambda: arr.swerve([[0.0, 0.1], [0.2, 0.0]], wheel_radius=0.1, names=["a"]), "2 wheels and 1 names"),
-        (lambda: arr.differential(math.nan, 0.1), "track = nan"),
-        (lambda: arr.differential(0.3, (0.1, math.nan)), "radius = nan"),
+        (lambda: arr.differential(math.nan, 0.1), "track nan"),
+        (lambda: arr.differential("0.3", 0.1), "track 0.3"),
+        (lambda: arr.differential(0.3, (0.1, 0.1, 0.1)), "3 wheel radii"),
+        (lambda: arr.synchro(0.3, 0.1, n=2.5), "n = 2.5"),
+        (lambda: arr.mecanum(0.4, 0.3, "0.05"), "radius = 0.05"),
     ],
 )
 def test_what_is_no_arrangement_is_refused(make, words):
@@ -187,3 +190,9 @@ def test_arrays_of_presets_are_checked():
         arr.omni([0.0, np.nan, 1.0], radius=0.1, wheel_radius=0.1)
     with pytest.raises(ShapeError, match="positions"):
         arr.swerve([[0.0, 0.1, 0.2]], wheel_radius=0.1)
+    with pytest.raises(ShapeError, match="wheel_radius holds nan"):
+        arr.differential(0.3, (0.1, math.nan))
+    with pytest.raises(ShapeError, match="bicycle holds nan"):
+        arr.ackermann_steering(arr.ackermann(2.0, 1.0, 0.3), np.nan)
+    with pytest.raises(InputError, match="no steered wheel"):
+        arr.ackermann_steering(arr.mecanum(0.4, 0.3, 0.05), 0.1)

@@ -252,7 +252,8 @@ def test_speeds_that_do_not_determine_a_twist_are_refused():
         (lambda b: b.residual([1.0], None), "speeds has shape"),
         (lambda b: b.rolling_matrix([0.0, 0.0]), "steering has shape"),
         (lambda b: b.feasible([np.nan, 0.0, 0.0]), r"twist\[0\] is nan"),
-        (lambda b: b.desaturate([np.nan, 1.0], 1.0), r"speeds\[0\] is nan"),
+        (lambda b: b.desaturate([np.nan, 1.0], 1.0), "speeds holds nan"),
+        (lambda b: b.desaturate([], 1.0), r"speeds has shape \(0,\)"),
         (lambda b: b.castor_rates([1.0, 0.0, 0.0], [0.1]), "turned has shape"),
     ],
 )

@@ -78,6 +78,12 @@ def test_batches_of_paths():
     assert moved(start, twists[:, 0], np.full(4, 0.2)).shape == (4, 3)
     with pytest.raises(ShapeError, match="one row per step"):
         integrated([0, 0, 0], [1.0, 0.0, 0.0], 0.1)
+    with pytest.raises(ShapeError, match="one per twist"):
+        integrated([0, 0, 0], np.zeros((3, 3)), [0.1, 0.2])
+    with pytest.raises(ShapeError, match="dt holds nan"):
+        moved([0, 0, 0], [1.0, 0.0, 0.0], np.nan)
+    with pytest.raises(ShapeError, match="heading holds inf"):
+        twist_in_robot([1.0, 0.0, 0.0], np.inf)
     with pytest.raises(ShapeError, match=r"motion\[2\] is nan"):
         exponential([0.0, 0.0, np.nan])
 

@@ -119,6 +119,10 @@ def test_what_cannot_stand_or_has_no_mass_is_refused():
         wheel_loads(CAR, [1.0, 0.0, 0.0])
     with pytest.raises(ShapeError, match=r"com\[0\] is nan"):
         static_margin(CAR, [np.nan, 0.0])
+    with pytest.raises(ShapeError, match="direction holds nan"):
+        acceleration_limit(CAR, np.nan)
+    with pytest.raises(ShapeError, match="curve holds nan"):
+        turning_speed(CAR, np.nan)
     with pytest.raises(ShapeError, match="castors"):
         support_polygon(presets()["differential"], [0.0, 0.0])
 

@@ -13,10 +13,11 @@ from typing import TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from holonom.errors import ModelError, UnknownName
+from holonom.errors import InputError, ModelError, UnknownName
 from holonom.mobile.base import WheelBase
-from holonom.mobile.evaluation import samples
+from holonom.mobile.evaluation import finite, samples
 from holonom.mobile.wheel import Wheel
+from holonom.mobile.wheel_set import positive
 
 __all__ = [
     "ARRANGEMENTS", "Body", "ackermann", "ackermann_steering", "arrangement", "differential", "mecanum", "omni",
@@ -47,8 +48,11 @@ def differential(
     castor : place (x, y) of the castor's pivot; None: a track behind the axle.
     castor_radius, castor_offset : None: a third of the wheels' mean radius, each.
     """
-    _positive("differential", track=track)
-    radii = np.broadcast_to(np.asarray(wheel_radius, dtype=float), (2,))
+    positive("differential", "track", track)
+    radii = np.atleast_1d(finite("wheel_radius", wheel_radius))
+    if radii.shape not in ((1,), (2,)):
+        raise ModelError(f"differential has {radii.size} wheel radii; state one, or (left, right)")
+    radii = np.broadcast_to(radii, (2,))
     third = float(radii.mean()) / 3.0
     x, y = castor if castor is not None else (-track, 0.0)
     wheels = [
@@ -67,7 +71,8 @@ def tricycle(
     **body: Unpack[Body],
 ) -> WheelBase:  # fmt: skip
     """A front wheel that steers and drives ("front"), two free ones on the rear axle ("rear left", "rear right")."""
-    _positive("tricycle", wheelbase=wheelbase, track=track)
+    positive("tricycle", "wheelbase", wheelbase)
+    positive("tricycle", "track", track)
     wheels = [
         Wheel.at(
             "steered", wheelbase, 0.0, radius=wheel_radius, driven=True, max_steering=max_steering, name="front"
@@ -86,7 +91,8 @@ def ackermann(
 
     Names "front left", "front right", "rear left", "rear right".
     """
-    _positive("ackermann", wheelbase=wheelbase, track=track)
+    positive("ackermann", "wheelbase", wheelbase)
+    positive("ackermann", "track", track)
     half = 0.5 * track
     wheels = [
         *(
@@ -109,7 +115,9 @@ def ackermann_steering(base: WheelBase, bicycle: ArrayLike) -> np.ndarray:
     base : one with fixed wheels on an axle through the origin of base_link, like `ackermann`.
     bicycle : (...) rad, between -pi/2 and pi/2; positive turns left.
     """
-    angle = samples("bicycle", np.asarray(bicycle, dtype=float)[..., None], 1)[..., 0]
+    angle = finite("bicycle", bicycle)
+    if not base.steered:
+        raise InputError(f"base {base.name!r} has no steered wheel; a bicycle's angle says nothing about it")
     wheelbase = float(np.mean([base.wheels[i].x for g in base.layout.groups for i in g]))
     turn = np.sin(angle) / wheelbase
     return base.steering(np.stack([np.cos(angle), np.zeros_like(angle), turn], axis=-1))
@@ -117,7 +125,7 @@ def ackermann_steering(base: WheelBase, bicycle: ArrayLike) -> np.ndarray:
 
 def synchro(radius: float, wheel_radius: float, *, n: int = 3, **body: Unpack[Body]) -> WheelBase:
     """n wheels on a circle, steered together and driven: it goes anywhere and never turns. One angle, "steering"."""
-    _positive("synchro", radius=radius)
+    positive("synchro", "radius", radius)
     names = [f"wheel {k + 1}" for k in range(_count("synchro", n))]
     wheels = [
         Wheel.at(
@@ -140,7 +148,7 @@ def omni(
     n : instead of angles: so many, evenly from 360/(2n) deg (so that x lies midway between two wheels).
     radius : R, distance of the wheels from the middle.
     """
-    _positive("omni", radius=radius)
+    positive("omni", "radius", radius)
     if (angles is None) == (n is None):
         raise ModelError("omni takes either angles= (one per wheel, rad) or n= (so many, evenly); state one of them")
     phis = _even(_count("omni", n), 0.5) if n is not None else np.asarray(angles, dtype=float)
@@ -165,7 +173,8 @@ def mecanum(wheelbase: float, track: float, wheel_radius: float, **body: Unpack[
     ----------
     wheelbase, track : distances between the contact points, along x and along y (whole, not half).
     """
-    _positive("mecanum", wheelbase=wheelbase, track=track)
+    positive("mecanum", "wheelbase", wheelbase)
+    positive("mecanum", "track", track)
     corners = [(*place, name) for place, name in zip(_corners(wheelbase, track), _CORNERS, strict=True)]
     wheels = [
         Wheel.at(
@@ -194,7 +203,8 @@ def swerve(
     if positions is None:
         assert wheelbase is not None
         assert track is not None
-        _positive("swerve", wheelbase=wheelbase, track=track)
+        positive("swerve", "wheelbase", wheelbase)
+        positive("swerve", "track", track)
         places, called = np.array(_corners(wheelbase, track)), list(names or _CORNERS)
     else:
         places = samples("positions", positions, 2).reshape(-1, 2)
@@ -257,12 +267,6 @@ def _even(n: int, start: float) -> np.ndarray:
 
 
 def _count(kind: str, n: int) -> int:
-    if n < 2:
-        raise ModelError(f"{kind} has {n} wheels; at least 2 are needed")
-    return n
-
-
-def _positive(kind: str, **lengths: float) -> None:
-    for name, value in lengths.items():
-        if not (math.isfinite(value) and value > 0.0):
-            raise ModelError(f"{kind} has {name} = {value} m; a length above zero is needed")
+    if not isinstance(n, (int, np.integer)) or n < 2:
+        raise ModelError(f"{kind} has n = {n} wheels; a whole number from 2 is needed")
+    return int(n)

@@ -9,11 +9,11 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from holonom.errors import InputError, ModelError, OutOfLimits
+from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError
 from holonom.mobile import base_equations
 from holonom.mobile.castors import CastorRates, castor_rates
 from holonom.mobile.equations.base_models import Layout
-from holonom.mobile.evaluation import BaseEquation, product, samples
+from holonom.mobile.evaluation import BaseEquation, finite, product, samples
 from holonom.mobile.mobility import check_movable, seen_twists
 from holonom.mobile.wheel import KINDS, Wheel
 from holonom.mobile.wheel_set import named_wheels, positive
@@ -306,9 +306,10 @@ class WheelBase:
         Any unit. Source: WPILib `desaturateWheelSpeeds`.
         """
         if not max_speed > 0.0:
-            raise OutOfLimits(f"max_speed is {max_speed}; state one above zero")
-        wanted = np.asarray(speeds, dtype=np.float64)
-        samples("speeds", wanted, wanted.shape[-1] if wanted.ndim else 1)
+            raise OutOfLimits(f"max_speed is {max_speed}; state a number above zero")
+        wanted = finite("speeds", speeds)
+        if wanted.ndim == 0 or wanted.shape[-1] == 0:
+            raise ShapeError(f"speeds has shape {wanted.shape}; (..., m) is needed, one per wheel")
         return wanted * (max_speed / np.maximum(np.abs(wanted).max(axis=-1, keepdims=True), max_speed))
 
     # matrices of specification 6.2

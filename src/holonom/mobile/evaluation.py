@@ -13,7 +13,7 @@ from holonom.errors import ShapeError
 from holonom.trace import Kernel, compile
 from holonom.trace.arrays import ArrayEquation, on_arrays
 
-__all__ = ["BaseEquation", "product", "samples", "written"]
+__all__ = ["BaseEquation", "finite", "product", "samples", "written"]
 
 Array = NDArray[np.float64]
 COMPILE_FROM = 512
@@ -28,10 +28,7 @@ def samples(name: str, value: ArrayLike, width: int) -> Array:
     ShapeError
         The wrong last axis, no numbers, NaN or infinity: says where.
     """
-    try:
-        array = np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as problem:
-        raise ShapeError(f"{name} holds something that is not a number: {problem}") from None
+    array = _numbers(name, value)
     if array.ndim == 0 or array.shape[-1] != width:
         raise ShapeError(f"{name} has shape {array.shape}; (..., {width}) is needed")
     if not np.isfinite(array).all():
@@ -39,6 +36,26 @@ def samples(name: str, value: ArrayLike, width: int) -> Array:
         place = f" in row {tuple(row)}" if row else ""
         raise ShapeError(f"{name}[{slot}] is {array[(*row, slot)]}{place}; finite numbers are needed")
     return array
+
+
+def finite(name: str, value: ArrayLike) -> Array:
+    """Return `value` as a float array of any shape that holds finite numbers.
+
+    Raises
+    ------
+    ShapeError
+    """
+    array = _numbers(name, value)
+    if not np.isfinite(array).all():
+        raise ShapeError(f"{name} holds {array[~np.isfinite(array)].flat[0]}; finite numbers are needed")
+    return array
+
+
+def _numbers(name: str, value: ArrayLike) -> Array:
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError) as problem:
+        raise ShapeError(f"{name} holds something that is not a number: {problem}") from None
 
 
 def written(result: Array, out: Array | None) -> Array:

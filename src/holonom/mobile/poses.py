@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import ShapeError
-from holonom.mobile.evaluation import samples
+from holonom.mobile.evaluation import finite, samples
 
 __all__ = [
     "compose", "exponential", "integrated", "inverse", "logarithm", "moved", "relative", "twist_in_robot",
@@ -68,7 +68,7 @@ def relative(a: ArrayLike, b: ArrayLike) -> Array:
 
 def moved(pose: ArrayLike, twist: ArrayLike, dt: ArrayLike) -> Array:
     """Pose (..., 3) after a constant twist (..., 3) for `dt` seconds (...)."""
-    return compose(pose, exponential(samples("twist", twist, 3) * np.asarray(dt, dtype=float)[..., None]))
+    return compose(pose, exponential(_driven(samples("twist", twist, 3), dt)))
 
 
 def integrated(start: ArrayLike, twists: ArrayLike, dt: ArrayLike) -> Array:
@@ -87,7 +87,7 @@ def integrated(start: ArrayLike, twists: ArrayLike, dt: ArrayLike) -> Array:
     first, xi = samples("start", start, 3), samples("twists", twists, 3)
     if xi.ndim < 2:
         raise ShapeError(f"twists has shape {xi.shape}; (..., n, 3) is needed, one row per step")
-    steps = exponential(xi * np.asarray(dt, dtype=float)[..., None])
+    steps = exponential(_driven(xi, dt))
     heading = first[..., None, 2] + _summed(steps[..., 2])
     x, y = _turned(steps[..., 0], steps[..., 1], heading[..., :-1])
     return np.stack([first[..., None, 0] + _summed(x), first[..., None, 1] + _summed(y), heading], axis=-1)
@@ -98,20 +98,28 @@ def twist_in_robot(twist: ArrayLike, heading: ArrayLike) -> Array:
 
     A robot that heads along +y and moves towards +y of the world moves forwards.
     """
-    xi, theta = samples("twist", twist, 3), np.asarray(heading, dtype=float)
+    xi, theta = samples("twist", twist, 3), finite("heading", heading)
     return np.stack(np.broadcast_arrays(*_turned(xi[..., 0], xi[..., 1], -theta), xi[..., 2]), axis=-1)
 
 
 def twist_in_world(twist: ArrayLike, heading: ArrayLike) -> Array:
     """Twist (..., 3) along the world's axes of one given in base_link: rates of x, y and theta."""
-    return twist_in_robot(twist, -np.asarray(heading, dtype=float))
+    return twist_in_robot(twist, -finite("heading", heading))
 
 
 def wrapped(angle: ArrayLike) -> Array:
     """The same angle in (-pi, pi], rad."""
-    a = np.asarray(angle, dtype=float)
+    a = finite("angle", angle)
     inside: Array = np.where((a > -np.pi) & (a <= np.pi), a, -((np.pi - a) % (2.0 * np.pi)) + np.pi)
     return inside
+
+
+def _driven(twists: Array, dt: ArrayLike) -> Array:
+    times = finite("dt", dt)
+    try:
+        return twists * times[..., None]
+    except ValueError:
+        raise ShapeError(f"dt has shape {times.shape}; one time, or one per twist of {twists.shape}") from None
 
 
 def _turned(x: Array, y: Array, angle: Array) -> tuple[Array, Array]:

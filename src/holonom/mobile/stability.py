@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import InputError, ModelError, OutOfLimits
 from holonom.mobile.base import WheelBase
-from holonom.mobile.evaluation import samples
+from holonom.mobile.evaluation import finite, samples
 
 __all__ = [
     "acceleration_limit", "contact_points", "dynamic_margin", "lateral_limit", "static_margin", "support_polygon",
@@ -120,7 +120,7 @@ def acceleration_limit(
             "support polygon; move it inside"
         )
     normals, offsets = _edges(support_polygon(base, castors))
-    angle = np.asarray(direction, dtype=float)
+    angle = finite("direction", direction)
     closing = -np.stack([np.cos(angle), np.sin(angle)], axis=-1) @ normals.T  # the point moves against the acceleration
     room = offsets - point @ normals.T
     distance = np.where(closing > 1e-12, room / np.where(closing > 1e-12, closing, 1.0), np.inf).min(axis=-1)
@@ -140,7 +140,7 @@ def lateral_limit(
 
 def turning_speed(base: WheelBase, curve: ArrayLike) -> Array:
     """Largest speed (...), m/s, in a curve of radius `curve` (...), m, before the base tips outwards."""
-    radius = np.abs(np.asarray(curve, dtype=float))
+    radius = np.abs(finite("curve", curve))
     speed: Array = np.sqrt(lateral_limit(base) * radius)
     return speed
 

@@ -7,6 +7,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from holonom.errors import ModelError, UnknownName
 from holonom.mobile.equations.wheels import Row, rolling_row, sliding_row, spin_row, swedish_row
 from holonom.trace import Number
@@ -142,7 +144,7 @@ class Kind(NamedTuple):
 
 
 def _finite(called: str, field: str, value: object) -> None:
-    if not isinstance(value, (int, float)) or not math.isfinite(value):
+    if not isinstance(value, (int, float, np.number)) or not math.isfinite(value):
         raise ModelError(f"{called} has {field} = {value}; a finite number is needed")
 
 

@@ -6,6 +6,8 @@ import dataclasses
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
+import numpy as np
+
 from holonom.errors import ModelError, UnknownName
 from holonom.mobile.wheel import Wheel
 
@@ -27,7 +29,7 @@ def named_wheels(base: str, wheels: Iterable[Wheel]) -> tuple[Wheel, ...]:
 
 def positive(base: str, what: str, value: float) -> float:
     """The value, if it is a number above zero; else ModelError."""
-    if not (math.isfinite(value) and value > 0.0):
+    if not isinstance(value, (int, float, np.number)) or not (math.isfinite(value) and value > 0.0):
         raise ModelError(f"base {base!r} has {what} {value}; a number above zero is needed")
     return float(value)
 
