@@ -9,7 +9,7 @@ from enum import IntEnum
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import stats
+from scipy import special
 
 from holonom.errors import ModelError, OutOfLimits, ShapeError
 from holonom.mobile.base import WheelBase
@@ -218,10 +218,10 @@ def slip_params(base: WheelBase | Coupling | ArrayLike, settings: SlipSettings) 
     covariance = np.array([c for _, c in fits])
     p = settings.false_alarm
     dof = [n - 3 - len(s) for s in sets]
-    thresholds = np.array([stats.chi2.isf(p, k) if k > 0 else math.inf for k in dof])
+    thresholds = np.array([special.chdtri(k, p) if k > 0 else math.inf for k in dof])
     blur = _blur(fits[0], D, weights, sets, math.sqrt(thresholds[0])) if n > 3 else (0.0, 0.0)
     linear, angular = np.linalg.eigvalsh(covariance[:, :2, :2])[:, 1], covariance[:, 2, 2]
-    gate, gate2 = stats.norm.isf(p / 2.0), math.sqrt(stats.chi2.isf(p, 2))
+    gate, gate2 = -special.ndtri(p / 2.0), math.sqrt(special.chdtri(2, p))
     table = np.column_stack(
         [
             [sum(1 << i for i in s) for s in sets],
