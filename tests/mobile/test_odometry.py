@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from holonom.errors import LogError, OutOfLimits, ShapeError, UnknownName
-from holonom.mobile import arrangements
+from holonom.mobile import arrangements, poses
 from holonom.mobile.odometry import (
     RULES,
     angle_per_tick,
@@ -57,6 +57,23 @@ def test_constant_twists_are_exact_on_arcs(seed: int) -> None:
     for w in (twist[2], 0.0, 1e-6):
         steps = np.tile(0.1 * np.array([*twist[:2], w]), (20, 1))
         assert np.allclose(integrate(steps, rule="exact")[-1], arc(np.array([*twist[:2], w]), 2.0), atol=1e-12)
+
+
+@given(seeds, st.integers(0, 200))
+def test_exact_arcs_agree_with_the_exponential(seed: int, count: int) -> None:
+    """Blocks of any length, against `poses.integrated`, which knows no blocks."""
+    rng = np.random.default_rng(seed)
+    twists, start = rng.normal(size=(count, 3)), rng.normal(size=3)
+    expected = poses.integrated(start, twists, np.full(count, 0.1))[1:]
+    assert np.allclose(integrate(0.1 * twists, start=start, rule="exact"), expected, atol=1e-10)
+
+
+@given(seeds, st.integers(1, 5))
+def test_wheels_are_turned_into_increments_on_the_way(seed: int, wheels: int) -> None:
+    rng = np.random.default_rng(seed)
+    turns, M, out = rng.normal(size=(70, wheels)), rng.normal(size=(3, wheels)), np.empty((70, 3))
+    assert integrate(turns, matrix=M, out=out) is out
+    assert np.allclose(out, integrate(turns @ M.T), atol=1e-10)
 
 
 def test_orders_of_the_rules() -> None:
@@ -118,6 +135,9 @@ def test_ticks_and_counters() -> None:
         (lambda: integrate([[1.0, 2.0, np.inf]]), ShapeError),
         (lambda: integrate(np.zeros((2, 3)), start=(0, 0)), ShapeError),
         (lambda: integrate(np.zeros((2, 3)), rule="eaxct"), UnknownName),
+        (lambda: integrate(np.zeros((2, 3)), matrix=np.zeros((3, 2))), ShapeError),
+        (lambda: integrate(np.zeros((2, 2)), matrix=np.zeros((2, 2))), ShapeError),
+        (lambda: integrate(np.zeros((2, 3)), out=np.empty((3, 3))), ShapeError),
     ):
         with pytest.raises(problem):
             call()
@@ -143,9 +163,9 @@ def test_sensitivities_by_finite_differences(seed: int, wheels: int, rule: str) 
     rng = np.random.default_rng(seed)
     share, exact = RULES[rule]
     features, M, start = 0.3 * rng.normal(size=(20, wheels)), rng.normal(size=(3, wheels)), rng.normal(size=3)
-    poses, slopes = np.empty((20, 3)), np.empty((20, 3, 3 * wheels))
-    sensitivities_into(features, M, start, share, exact, poses, slopes)
-    assert np.allclose(poses, integrate(features @ M.T, start=start, rule=rule))
+    path, slopes = np.empty((20, 3)), np.empty((20, 3, 3 * wheels))
+    sensitivities_into(features, M, start, share, exact, path, slopes)
+    assert np.allclose(path, integrate(features @ M.T, start=start, rule=rule))
     for k, at in enumerate(np.ndindex(M.shape)):
         step = np.zeros_like(M)
         step[at] = 1e-6

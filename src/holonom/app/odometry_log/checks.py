@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +22,11 @@ WILDEST = 30.0  # rad/s of the truth
 FACTOR = 4.0  # by which way and turn of odometry and truth may differ before a unit is wrong
 REACH, TURN = 0.05, 0.5  # m and rad that a run must cover before ways and turns are compared
 WINDOW = 0.5  # s over which the order of the wheels is compared
+ASTRAY = 0.1  # share of the motion by which wheels must miss the truth before another order is looked for
 CLEARER = 0.5  # another order must miss the truth by less than this share
 
-GUESSES = {1000.0: "mm instead of m", 100.0: "cm instead of m", 180.0 / np.pi: "degrees instead of rad"}
+LENGTHS = {1000.0: "mm instead of m", 100.0: "cm instead of m"}
+ANGLES = {180.0 / np.pi: "degrees instead of rad"}
 
 
 def check_time(table: Table, *, allow_gaps: bool) -> tuple[str, ...]:
@@ -131,7 +133,7 @@ def _check_order(table: Table, run: Run, M: Array, wheels: Sequence[str]) -> Non
     orders = [list(order) for order in itertools.permutations(range(len(wheels)))]
     misses = [np.sqrt(np.mean(((features[:, order] @ M.T - seen) * size) ** 2)) for order in orders]
     best = int(np.argmin(misses))
-    if misses[0] > 0.3 * moved and misses[best] < CLEARER * misses[0]:
+    if misses[0] > ASTRAY * moved and misses[best] < CLEARER * misses[0]:
         names = ", ".join(wheels[k] for k in orders[best])
         wrong = [wheels[k] for k, at in enumerate(orders[best]) if at != k]
         table.fault(1, wrong[0], f"columns {', '.join(wrong)} are swapped: read in the order {names} they follow the "
@@ -157,13 +159,13 @@ def _check_story(table: Table, run: Run, M: Array) -> None:
     if max(far, seen) > REACH and not 1.0 / FACTOR < (far + 1e-12) / (seen + 1e-12) < FACTOR:
         raise LogError(
             f"{table.path}: by its wheels the base gets {far:.4g} m from its start, by the truth {seen:.4g} m: "
-            f"{_guess(seen, far, 'truth', 'geometry or wheels')}"
+            f"{_guess(seen, far, 'truth', 'geometry or wheels', LENGTHS)}"
         )
     turned, heading = path[:, 2] - path[:, 2].mean(), run.heading - run.heading.mean()
-    if np.ptp(heading) < TURN or np.ptp(turned) < TURN / FACTOR:
+    if max(np.ptp(heading), np.ptp(turned)) < TURN:
         return
-    slope = float(turned @ heading / (heading @ heading))
-    if slope < 0.0:
+    slope = float(turned @ heading / max(heading @ heading, 1e-12))
+    if slope < -1.0 / FACTOR:
         raise LogError(
             f"{table.path}: by its wheels the base turns the other way than by the truth: left and right wheels are "
             "swapped, or a wheel or the steering counts the other way; swap the columns or the sign"
@@ -171,14 +173,14 @@ def _check_story(table: Table, run: Run, M: Array) -> None:
     if not 1.0 / FACTOR < slope < FACTOR:
         raise LogError(
             f"{table.path}: by its wheels the base turns {slope:.3g} times what the truth says: "
-            f"{_guess(1.0, slope, 'theta', 'geometry or wheels')}"
+            f"{_guess(1.0, slope, 'theta', 'geometry or wheels', ANGLES)}"
         )
 
 
-def _guess(seen: float, far: float, truth: str, wheels: str) -> str:
+def _guess(seen: float, far: float, truth: str, wheels: str, units: Mapping[float, str]) -> str:
     """What may be wrong with a ratio."""
     larger, ratio = (truth, seen / max(far, 1e-12)) if seen > far else (wheels, far / max(seen, 1e-12))
-    for factor, name in GUESSES.items():
+    for factor, name in units.items():
         if factor / FACTOR < ratio < factor * FACTOR:
             return f"{larger} in {name}, or ticks, gear or encoder wrong?"
-    return "see the units of the columns, encoder and gear"
+    return "see the units of the columns, geometry, encoder and gear"

@@ -101,7 +101,7 @@ class PathErrors:
 def dead_reckoning(run: Run, matrix: Array, rule: str = "midpoint") -> Array:
     """Poses (N, 3) of a run by odometry from the truth's first pose, or zero; `matrix` maps features to increments."""
     start = np.array([*run.truth[0, :2], run.heading[0]]) if len(run.truth) else np.zeros(3)
-    return integrate(run.features @ matrix.T, start=start, rule=rule)
+    return integrate(run.features, matrix=matrix, start=start, rule=rule)
 
 
 def need_truth(runs: Sequence[Run]) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import OutOfLimits, ShapeError, UnknownName
-from holonom.mobile.odometry.kernels import integrate_into
+from holonom.mobile.odometry.kernels import all_finite, integrate_into
 
 __all__ = [
     "RULES",
@@ -111,17 +111,28 @@ def count_differences(counts: ArrayLike, bits: int | None = None) -> Array:
     return (steps + 0.5 * span) % span - 0.5 * span
 
 
-def integrate(increments: ArrayLike, *, start: ArrayLike = (0.0, 0.0, 0.0), rule: str = "midpoint") -> Array:
+def integrate(
+    increments: ArrayLike,
+    *,
+    matrix: ArrayLike | None = None,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    rule: str = "midpoint",
+    out: Array | None = None,
+) -> Array:
     """Add increments up to poses.
 
     Parameters
     ----------
     increments : (N, 3)
         dx, dy (m) and dtheta (rad) of each sample in the robot frame: `base.twist(wheel angles of the sample)`.
+    matrix : (3, m)
+        Turns rows of another width m, ticks or wheel angles, into increments on the way; none unless given.
     start : (3,)
         Pose before the first one, in the world.
     rule
         A key of `RULES`.
+    out : (N, 3)
+        Array to write to.
 
     Returns
     -------
@@ -134,17 +145,23 @@ def integrate(increments: ArrayLike, *, start: ArrayLike = (0.0, 0.0, 0.0), rule
     Source: Siegwart & Nourbakhsh 5.2.4 (midpoint); specification 6.3.
     """
     share, exact = rule_named(rule)
-    rows = increments_of(increments)
-    poses = np.empty_like(rows)
-    integrate_into(rows, pose_of(start), share, exact, poses)
+    M = np.eye(3) if matrix is None else np.ascontiguousarray(matrix, dtype=np.float64)
+    if M.ndim != 2 or len(M) != 3 or not np.all(np.isfinite(M)):
+        raise ShapeError(f"the matrix has shape {M.shape}; give finite rows of x, y and theta, a column per wheel")
+    rows = increments_of(increments, M.shape[1])
+    poses = np.empty((len(rows), 3)) if out is None else out
+    if poses.shape != (len(rows), 3) or poses.dtype != np.float64:
+        raise ShapeError(f"out has shape {poses.shape} and type {poses.dtype}; give ({len(rows)}, 3), float64")
+    integrate_into(rows, M, pose_of(start), share, exact, poses)
     return poses
 
 
-def increments_of(increments: ArrayLike) -> Array:
-    """(N, 3) finite, contiguous."""
+def increments_of(increments: ArrayLike, width: int = 3) -> Array:
+    """(N, width) finite, contiguous."""
     rows = np.ascontiguousarray(increments, dtype=np.float64)
-    if rows.ndim != 2 or rows.shape[1] != 3 or not np.all(np.isfinite(rows)):
-        raise ShapeError(f"increments have shape {rows.shape}; give finite rows of dx, dy (m), dtheta (rad)")
+    if rows.ndim != 2 or rows.shape[1] != width or not all_finite(rows):
+        wanted = "dx, dy (m), dtheta (rad)" if width == 3 else f"{width} numbers"
+        raise ShapeError(f"increments have shape {rows.shape}; give finite rows of {wanted}")
     return rows
 
 

@@ -6,11 +6,24 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["integrate_into", "propagate_into", "sensitivities_into"]
+from holonom.trace.elementary import TRIG_FLAGS, select, sincos
+
+__all__ = ["all_finite", "integrate_into", "propagate_into", "sensitivities_into"]
 
 Floats = NDArray[np.float64]
 
+LANES = 64
 SMALL = 1e-4  # turn of one step, rad, below which the chord's length is its series
+
+
+@njit(cache=True, error_model="numpy")
+def all_finite(rows: Floats) -> bool:
+    """Whether no number of (N, m) is NaN or infinite."""
+    for k in range(rows.shape[0]):
+        for j in range(rows.shape[1]):
+            if not np.isfinite(rows[k, j]):
+                return False
+    return True
 
 
 @njit(cache=True, error_model="numpy")
@@ -23,27 +36,46 @@ def _chord(turn: float) -> tuple[float, float]:
     return ratio, 0.5 * (np.cos(half) - ratio) / half
 
 
-@njit(cache=True, error_model="numpy")
-def integrate_into(increments: Floats, start: Floats, share: float, exact: bool, poses: Floats) -> None:
-    """Add up increments (N, 3) in the robot frame from `start` (3,); `poses` (N, 3) follow each increment.
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=TRIG_FLAGS)
+def integrate_into(features: Floats, M: Floats, start: Floats, share: float, exact: bool, poses: Floats) -> None:
+    """Add up increments `M features[k]` (3,) in the robot frame from `start` (3,); `poses` (N, 3) follow each one.
 
-    `share` of the turn comes before the straight part; with `exact` that part is the chord of an arc.
+    `share` of the turn comes before the straight part; with `exact` that part is the chord of an arc. Block by block:
+    headings one after the other, sines and cosines side by side, places one after the other.
     """
+    n, m = features.shape
     x, y, theta = start
-    for k in range(increments.shape[0]):
-        dx, dy, turn = increments[k, 0], increments[k, 1], increments[k, 2]
+    step = np.empty((LANES, 2))
+    turn, angle, c, s = np.zeros(LANES), np.zeros(LANES), np.zeros(LANES), np.zeros(LANES)
+    for first in range(0, n, LANES):
+        count = min(LANES, n - first)
+        for k in range(count):
+            dx = dy = dtheta = 0.0
+            for j in range(m):
+                f = features[first + k, j]
+                dx += M[0, j] * f
+                dy += M[1, j] * f
+                dtheta += M[2, j] * f
+            step[k, 0] = dx
+            step[k, 1] = dy
+            turn[k] = dtheta
+            angle[k] = theta + share * dtheta
+            theta += dtheta
+            poses[first + k, 2] = theta
+        for k in range(LANES):
+            s[k], c[k] = sincos(angle[k])
         if exact:
-            scale = _chord(turn)[0]
-            dx *= scale
-            dy *= scale
-        angle = theta + share * turn
-        c, s = np.cos(angle), np.sin(angle)
-        x += c * dx - s * dy
-        y += s * dx + c * dy
-        theta += turn
-        poses[k, 0] = x
-        poses[k, 1] = y
-        poses[k, 2] = theta
+            for k in range(LANES):
+                half = 0.5 * turn[k]
+                near = abs(turn[k]) < SMALL
+                scale = select(near, 1.0 - half * half / 6.0, sincos(half)[0] / select(near, 1.0, half))
+                s[k] *= scale
+                c[k] *= scale
+        for k in range(count):
+            x += c[k] * step[k, 0] - s[k] * step[k, 1]
+            y += s[k] * step[k, 0] + c[k] * step[k, 1]
+            poses[first + k, 0] = x
+            poses[first + k, 1] = y
 
 
 @njit(cache=True, error_model="numpy")
@@ -82,7 +114,7 @@ def propagate_into(
     out: Floats,
 ) -> None:
     """Poses (N, 3) and their covariances `out` (N, 3, 3), from `covariance` (3, 3) and that of each increment."""
-    integrate_into(increments, start, share, exact, poses)
+    integrate_into(increments, np.eye(3), start, share, exact, poses)
     F, G = np.empty((3, 3)), np.empty((3, 3))
     P, half = covariance.copy(), np.empty((3, 3))
     theta = start[2]
