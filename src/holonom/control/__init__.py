@@ -19,8 +19,19 @@ Verbs that make their params:
 `acceleration_params`    a bandwidth to the gains of the computed-torque law
 `AxisLimits`             limits; `Violation` names them, `drive_fault` words the stop
 =======================  =======================================================================
+
+Loops on a mobile base (compiled steps in `base_kernels`):
+
+=======================  =======================================================================
+`KeepingSettings`        path keeping: feed-forward and PI on the pose error, acceleration limited
+`EstimateSettings`       velocity from gyro, accelerometers and the wheels that are trusted
+`TractionSettings`       traction control: how much slip is wanted
+`WatchSettings`          when a motor counts as dead
+`tune_wheel`             a motor's data sheet to the `WheelLoop` of its wheel, with margins
+=======================  =======================================================================
 """
 
+from holonom.control.base_tuning import WheelLoop, tune_wheel
 from holonom.control.computed_torque import acceleration_params
 from holonom.control.kernels import (
     AccelerationParams,
@@ -39,6 +50,8 @@ from holonom.control.kernels import (
     torque_to_current,
 )
 from holonom.control.limits import AxisLimits, Violation, drive_fault
+from holonom.control.path_keeping import EstimateSettings, KeepingSettings
+from holonom.control.traction import TractionSettings, WatchSettings
 from holonom.control.tuning import CascadeGains, LoopMargin, SampleTimes, ServoAxis, design_cascade
 
 __all__ = [
@@ -46,6 +59,8 @@ __all__ = [
     "AxisLimits",
     "CascadeGains",
     "CurrentParams",
+    "EstimateSettings",
+    "KeepingSettings",
     "LimitParams",
     "LoopMargin",
     "PiParams",
@@ -53,7 +68,10 @@ __all__ = [
     "SampleTimes",
     "ServoAxis",
     "SpeedParams",
+    "TractionSettings",
     "Violation",
+    "WatchSettings",
+    "WheelLoop",
     "acceleration_params",
     "acceleration_step",
     "axis_violation",
@@ -65,4 +83,5 @@ __all__ = [
     "position_step",
     "speed_step",
     "torque_to_current",
+    "tune_wheel",
 ]

@@ -35,6 +35,8 @@ __all__ = [
 
 Floats = NDArray[np.float64]
 
+MOST_BIAS = 0.02  # rad/s, of a difference between gyro and wheels that counts for the gyro's zero
+
 
 class Planar(NamedTuple):
     """A pose (m, m, rad), a twist (m/s, m/s, rad/s), an acceleration or a wrench: two parts and a turn."""
@@ -245,7 +247,7 @@ def estimate_step(
         vx += dx
         vy += dy
     if square > 1e-12:
-        bias -= _clip(params.bias_gain * along / square, dt * params.bias_gain)
+        bias -= params.bias_gain * _clip(along / square, MOST_BIAS)
     return Planar(vx, vy, w), bias
 
 

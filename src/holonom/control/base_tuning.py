@@ -75,7 +75,8 @@ def tune_wheel(axis: ServoAxis, spinning_inertia: float, *, dt: float = 1e-3, ph
 
     def phase(w: float) -> float:
         s = 1j * w
-        return math.pi / 2 - math.atan(w * lag) - LOOP_DELAY * dt * w + cmath.phase(_observer(s, OBSERVER_RATIO * w))
+        lags = cmath.phase(_observer(s, OBSERVER_RATIO * w)) - math.atan(w * lag) - LOOP_DELAY * dt * w
+        return math.pi / 2 + lags - math.atan(spinning_inertia / axis.inertia / INTEGRAL_RATIO)
 
     by_phase = brentq(lambda w: phase(w) - phase_margin, 1e-3 / dt, math.pi / dt)
     by_counts = _resolvable(axis, spinning_inertia)

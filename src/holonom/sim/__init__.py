@@ -1,4 +1,4 @@
-"""The simulated cell: plant, clock, work pieces, and the machines a program can drive.
+"""The simulated cell and the simulated base: plant, clock, work pieces, and the machines a program can drive.
 
 =====================  ===========================================================
 `Plant`                an arm with drives, encoders and servo loops
@@ -6,9 +6,17 @@
 `SimulatedMachine`     all of it behind `lang.Machine`
 `DryMachine`           the same without dynamics, for off-line checks
 `branch_joints`        where a motion to a tool pose ends
+`simulate_base`        a mobile base on a path, with its motors, slip and faults: `BaseLog`
+`BasePlant`            its plant: `BaseDrive`, on a `Floor` of `Material` with patches
+`plan_path`            a reference for it, along `PATHS` or `waypoints`
 =====================  ===========================================================
 """
 
+from holonom.sim.base_floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch
+from holonom.sim.base_log import BaseLog
+from holonom.sim.base_paths import PATHS, PathLimits, ReferencePath, plan_path, waypoints
+from holonom.sim.base_plant import BaseDrive, BasePlant
+from holonom.sim.base_simulation import BaseFault, BaseSensors, BaseSettings, simulate_base
 from holonom.sim.dry import DryMachine, Problem
 from holonom.sim.machine import PROGRAM_TICK, SimulatedMachine
 from holonom.sim.motions import LineSettings, branch_joints
@@ -16,18 +24,41 @@ from holonom.sim.plant import CONTROLLERS, ControlSettings, Ground, Plant
 from holonom.sim.world import Disc, Gripper, Surface, World
 
 __all__ = [
+    "CARPET",
     "CONTROLLERS",
+    "FAULTS",
+    "HEADINGS",
+    "ICE",
+    "PATHS",
     "PROGRAM_TICK",
+    "BaseDrive",
+    "BaseFault",
+    "BaseLog",
+    "BasePlant",
+    "BaseSensors",
+    "BaseSettings",
     "ControlSettings",
     "Disc",
     "DryMachine",
+    "Floor",
     "Gripper",
     "Ground",
     "LineSettings",
+    "Material",
+    "PathLimits",
     "Plant",
     "Problem",
+    "RectangularPatch",
+    "ReferencePath",
+    "RoundPatch",
     "SimulatedMachine",
     "Surface",
     "World",
     "branch_joints",
+    "circle",
+    "figure_of_eight",
+    "plan_path",
+    "rounded_square",
+    "simulate_base",
+    "waypoints",
 ]

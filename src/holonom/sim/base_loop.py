@@ -146,6 +146,8 @@ def run_loop(
         _log_wheels(params.residual, rims, wheels, states, dead, wheel_log[k])
         command, ahead = _keep_path(keeping, base, now)
         wanted = wanted_acceleration(keeping, command, twist, ahead)
+        if rate <= 0.0:  # the base had to stop: hold the wheels
+            command = wanted = Planar(0.0, 0.0, 0.0)
         force = Planar(params.mass * wanted.x, params.mass * wanted.y, params.inertia * wanted.turn)
         part = force_part(share, force, params.max_force)
         for i in range(m):

@@ -1,0 +1,186 @@
+"""A base keeps its path: alone, over ice, with a dead motor; and says what happened, when, to which wheel."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from bases import BASES, DRIVE, soccer
+
+from holonom.control.traction import TractionSettings
+from holonom.errors import ModelError, OutOfLimits, UnknownName
+from holonom.mobile.coupling import Coupling
+from holonom.mobile.slip import SlipStatus, detect_slip
+from holonom.sim.base_floor import CARPET, ICE, Floor, Material, RectangularPatch
+from holonom.sim.base_log import BaseLog
+from holonom.sim.base_paths import PathLimits, ReferencePath, figure_of_eight, plan_path
+from holonom.sim.base_simulation import SLIP, BaseFault, BaseSettings, simulate_base
+
+BASE = soccer()
+EIGHT = plan_path(figure_of_eight(3.0), PathLimits(1.4, 2.0))
+COUPLING = Coupling(BASE.velocity_coupling, BASE.radius, BASE.alpha)
+SLIPS = 0.05
+"""Slip speed (m/s) from which a wheel counts as slipping; the best grip is there, too."""
+
+
+def run(path: ReferencePath = EIGHT, seed: int = 0, **arguments: object) -> BaseLog:
+    base = arguments.pop("base", BASE)
+    return simulate_base(base, DRIVE, path, rng=np.random.default_rng(seed), **arguments)  # type: ignore[arg-type]
+
+
+def ice_under(wheel: int, at: int, length: float = 0.3, width: float = 0.05) -> Floor:
+    """A strip of ice along the track of one wheel, about a sample of EIGHT."""
+    place = EIGHT.pose[at, :2] + [BASE.wheels[wheel].x, BASE.wheels[wheel].y]
+    angle = float(np.arctan2(EIGHT.twist[at, 1], EIGHT.twist[at, 0]))
+    return Floor(CARPET, (RectangularPatch((place[0], place[1]), length, width, ICE, angle),))
+
+
+@pytest.mark.parametrize("name", ["omni 4", "omni 3", "mecanum"])
+@pytest.mark.parametrize("heading", ["fixed", "tangent", "rotating"])
+def test_it_keeps_its_path(name: str, heading: str) -> None:
+    path = plan_path(figure_of_eight(3.0), PathLimits(1.0, 1.5), heading=heading)
+    log = run(path, base=BASES[name])
+    assert log.path_error.max() < 0.04
+    assert np.abs(log.heading_error).max() < np.radians(2.0)
+    assert len(log.time) == len(path.time)
+    np.testing.assert_array_equal(log.reference_pose, path.pose)
+    assert (log.rate == 1.0).all()
+    assert not log.named.any()
+    assert not log.dead.any()
+    assert log.events == ()
+
+
+def test_its_estimate_is_true_and_its_loops_follow() -> None:
+    log = run()
+    assert np.hypot(*(log.estimated_pose - log.pose)[:, :2].T).max() < 0.03
+    assert np.abs(log.estimated_twist - log.twist)[:, :2].max() < 0.05
+    assert np.abs(log.wheel_speeds - log.reference_speeds).max() * 0.02711 < 0.06
+    assert np.hypot(*(log.estimated_pose - log.reference_pose)[:, :2].T).max() < 0.01
+
+
+def test_one_seed_gives_the_same_bits_and_another_does_not() -> None:
+    a, b, c = run(seed=4), run(seed=4), run(seed=5)
+    assert a.pose.tobytes() == b.pose.tobytes()
+    assert a.currents.tobytes() == b.currents.tobytes()
+    assert a.pose.tobytes() != c.pose.tobytes()
+
+
+@pytest.mark.parametrize("traction", [TractionSettings(), None], ids=["traction control", "none"])
+@pytest.mark.parametrize(("wheel", "at"), [(0, 1900), (1, 1300), (2, 1400), (3, 1250)])
+def test_ice_under_one_wheel(wheel: int, at: int, traction: TractionSettings | None) -> None:
+    """Slip is raised within 50 ms, and the only wheel ever named alone is the right one."""
+    log = run(floor=ice_under(wheel, at), settings=BaseSettings(traction=traction))
+    slipping = np.abs(log.slip) > SLIPS
+    assert slipping[:, wheel].any()
+    begins = int(slipping[:, wheel].argmax())
+    raised = int((log.status[begins:] != SlipStatus.NO_SLIP).argmax())
+    named = int((log.flagged[begins:] == wheel).argmax())
+    assert raised <= 50
+    assert log.status[begins + raised] != SlipStatus.NO_SLIP
+    assert named <= 50
+    assert log.flagged[begins + named] == wheel
+    others = np.delete(slipping, wheel, axis=1).any(axis=1)
+    assert set(log.flagged[: int(others.argmax()) if others.any() else None]) <= {-1, wheel}
+    assert log.path_error.max() < 0.05
+    assert f"wheel {wheel + 1} slips" in [event.text for event in log.events]
+
+
+def test_the_log_says_what_the_batch_detector_says() -> None:
+    """The loop feeds `slip_step` what `detect_slip` gets from the log, but for the learned zero of the gyro."""
+    log = run(floor=ice_under(0, 1900))
+    report = detect_slip(
+        COUPLING, 0.02711 * log.measured_speeds, SLIP, rate=log.gyro,
+        acceleration=np.column_stack([log.acceleration, np.full(len(log.time), np.nan)]),
+    )  # fmt: skip
+    assert (report.named == log.named).all(axis=1).mean() > 0.98
+    np.testing.assert_allclose(report.residual, log.residuals, atol=1e-12)
+
+
+def test_traction_control_limits_slip_and_gains_time() -> None:
+    """Hard acceleration on a slippery floor: far less slip, and the first metre is done earlier."""
+    path = plan_path([[0.0, 0.0], [1.5, 0.0], [3.0, 0.0]], PathLimits(2.0, 4.0))
+    floor = Floor(Material(0.3, 0.12, 0.05))
+    logs = [run(path, floor=floor, settings=BaseSettings(traction=t)) for t in (TractionSettings(), None)]
+    metre = [float(log.time[int((log.pose[:, 0] > 1.0).argmax())]) for log in logs]
+    assert metre[0] < 0.85 * metre[1]
+    assert np.abs(logs[0].slip).max() < 0.3 * np.abs(logs[1].slip).max()
+
+
+def test_traction_control_on_ice() -> None:
+    with_control, without = (
+        run(floor=ice_under(0, 1900), settings=BaseSettings(traction=t)) for t in (TractionSettings(), None)
+    )
+    assert np.abs(with_control.slip).max() < 0.5 * np.abs(without.slip).max()
+    assert np.abs(with_control.heading_error).max() < 0.6 * np.abs(without.heading_error).max()
+
+
+def test_odometry_leaves_the_slipping_wheel_out() -> None:
+    seen, unseen = (
+        run(floor=ice_under(0, 1900), settings=BaseSettings(traction=None, slip=slip)) for slip in (SLIP, None)
+    )
+    errors = [np.hypot(*(log.estimated_pose - log.pose)[-1, :2]) for log in (seen, unseen)]
+    assert errors[0] < 0.6 * errors[1]
+    assert not unseen.named.any()
+
+
+@pytest.mark.parametrize("wheel", range(4))
+def test_a_dead_motor_is_found_and_done_without(wheel: int) -> None:
+    """Named within 100 ms while current is asked of it; the path is kept, slower where three motors need it."""
+    fault = BaseFault(2.5, wheel)
+    log = run(faults=[fault])
+    assert (log.dead[-1] == (np.arange(4) == wheel)).all()
+    assert log.time[int(log.dead[:, wheel].argmax())] - 2.5 < 0.1
+    assert log.path_error.max() < 0.05
+    assert np.abs(log.heading_error).max() < np.radians(6.0)
+    assert 0.3 < log.rate[-1] < 1.0
+    assert log.time[-1] > EIGHT.time[-1]
+    np.testing.assert_allclose(log.reference_pose[-1], EIGHT.pose[-1], atol=1e-3)
+    assert any(f"wheel {wheel + 1} does not do as told" in event.text for event in log.events)
+    assert (log.currents[2501:, wheel] == 0.0).all()
+
+
+def test_a_dead_motor_without_compensation() -> None:
+    log = run(faults=[BaseFault(2.5, 1)])
+    alone = run(faults=[BaseFault(2.5, 1)], settings=BaseSettings(watch=None))
+    assert alone.path_error.max() > 3.0 * log.path_error.max()
+    assert not alone.dead.any()
+
+
+def test_a_jammed_wheel_stops_the_base() -> None:
+    log = run(faults=[BaseFault(2.0, "wheel 1", "blocked")])
+    assert log.dead[-1, 0]
+    assert log.rate[-1] == 0.0
+    assert (np.abs(log.twist[-1]) < [0.05, 0.05, 0.2]).all()
+    assert log.time[-1] < EIGHT.time[-1]
+    assert any("the base stops" in event.text for event in log.events)
+
+
+def test_it_starts_in_motion() -> None:
+    """A reference that starts at speed finds the base at that speed."""
+    part = dataclasses.replace(
+        EIGHT, time=EIGHT.time[2000:], pose=EIGHT.pose[2000:], twist=EIGHT.twist[2000:],
+        acceleration=EIGHT.acceleration[2000:],
+    )  # fmt: skip
+    log = run(part)
+    assert np.hypot(*part.twist[0, :2]) > 0.5
+    assert log.path_error.max() < 0.04
+    np.testing.assert_allclose(log.twist[0], part.twist[0], atol=1e-12)
+
+
+def test_half_the_step_gives_the_same_motion() -> None:
+    a, b = run(substeps=2), run(substeps=8)
+    assert np.hypot(*(a.pose - b.pose)[:, :2].T).max() < 2e-3
+
+
+def test_bad_input() -> None:
+    with pytest.raises(ModelError, match="all directions"):
+        run(base=BASES["differential"])
+    with pytest.raises(UnknownName, match="wheel 9"):
+        run(faults=[BaseFault(1.0, "wheel 9")])
+    with pytest.raises(UnknownName, match="blocked"):
+        BaseFault(1.0, 0, "melted")
+    with pytest.raises(OutOfLimits, match="time"):
+        BaseFault(-1.0, 0)
+    with pytest.raises(OutOfLimits, match="friction"):
+        BaseSettings(friction=0.0)
