@@ -1,4 +1,4 @@
-"""A four-wheel omni base with motors, slip, sensors and all loops against real time; the plant beside SciPy's solver."""
+"""A four-wheel omni base, motors to path keeping, against real time; its plant beside SciPy's solver."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 from holonom.app.bench import Figure, Setting, seconds
 from holonom.devices import DcMotor, Encoder, Gear
 from holonom.mobile import omni
-from holonom.sim import CARPET, BaseDrive, BasePlant, PathLimits, figure_of_eight, plan_path, simulate_base
+from holonom.sim import CARPET, PATHS, BaseDrive, BasePlant, PathLimits, plan_path, simulate_base
 
 BASE = omni(
     angles=np.deg2rad([57.0, 135.0, 225.0, 303.0]), radius=0.0789, wheel_radius=0.02711, mass=6.35, com_height=0.0
@@ -20,7 +20,7 @@ SUBSTEPS = 4
 
 
 def measure(setting: Setting) -> list[Figure]:
-    path = plan_path(figure_of_eight(5.0), PathLimits(1.6, 2.0), laps=1 if setting.small else 4)
+    path = plan_path(PATHS["figure_of_eight"](5.0), PathLimits(1.6, 2.0), laps=1 if setting.small else 4)
     closed = seconds(
         lambda: simulate_base(BASE, DRIVE, path, rng=np.random.default_rng(0), substeps=SUBSTEPS), setting, rounds=7
     )

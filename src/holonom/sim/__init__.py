@@ -26,8 +26,6 @@ from holonom.sim.world import Disc, Gripper, Surface, World
 __all__ = [
     "CARPET",
     "CONTROLLERS",
-    "FAULTS",
-    "HEADINGS",
     "ICE",
     "PATHS",
     "PROGRAM_TICK",
@@ -55,10 +53,7 @@ __all__ = [
     "Surface",
     "World",
     "branch_joints",
-    "circle",
-    "figure_of_eight",
     "plan_path",
-    "rounded_square",
     "simulate_base",
     "waypoints",
 ]
