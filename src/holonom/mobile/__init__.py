@@ -4,7 +4,8 @@ Twists are (vx, vy, w) in base_link, x forwards and y to the left; poses (x, y, 
 
 Wheels and bases
     `Wheel`, `WheelBase`; arrangements by name: `differential`, `tricycle`, `ackermann`, `synchro`, `omni`, `mecanum`,
-    `swerve`, `sphere`; `mobility`, `is_holonomic`, `conflicting_wheels`; `centre_of_twist`, `centre_of_axles`.
+    `swerve`, `sphere`; `mobility`, `is_holonomic`, `conflicting_wheels`; `centre_of_twist`, `centre_of_axles`,
+    `castor_rates`.
 Standing and tipping over
     `support_polygon`, `static_margin`, `zero_moment_point`, `dynamic_margin`, `acceleration_limit`, `lateral_limit`,
     `turning_speed`, `wheel_loads`.
@@ -35,6 +36,7 @@ from holonom.mobile.arrangements import (
     tricycle,
 )
 from holonom.mobile.base import WheelBase
+from holonom.mobile.castors import CastorRates, castor_rates
 from holonom.mobile.centre import Centre, axle_miss, centre_of_axles, centre_of_twist
 from holonom.mobile.coupling import (
     Coupling,
@@ -70,6 +72,7 @@ from holonom.mobile.patterns import PatternParts, copper_loss, idle_patterns, re
 from holonom.mobile.slip import SlipReport, SlipSettings, SlipStatus, detect_slip, separable_wheels
 from holonom.mobile.stability import (
     acceleration_limit,
+    contact_points,
     dynamic_margin,
     lateral_limit,
     static_margin,
@@ -84,6 +87,7 @@ __all__ = [
     "ARRANGEMENTS",
     "KINDS",
     "Actuation",
+    "CastorRates",
     "Centre",
     "Coupling",
     "DriveLimits",
@@ -109,9 +113,11 @@ __all__ = [
     "base_acceleration",
     "base_force",
     "base_twist",
+    "castor_rates",
     "centre_of_axles",
     "centre_of_twist",
     "conflicting_wheels",
+    "contact_points",
     "copper_loss",
     "critical_force",
     "detect_slip",

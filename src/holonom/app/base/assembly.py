@@ -11,7 +11,7 @@ import numpy as np
 from holonom.app.base.cell_model import BaseCell, BaseTable, Patch
 from holonom.app.toml_lines import place_of
 from holonom.devices import DcMotor, Encoder, Friction, Gear
-from holonom.errors import CellError, InputError, UnknownName
+from holonom.errors import CellError, InputError, ModelError, UnknownName
 from holonom.mobile import WheelBase, mecanum, omni
 from holonom.sim import (
     PATHS,
@@ -102,10 +102,15 @@ def _base(table: BaseTable) -> WheelBase:
         found = mecanum(table.wheelbase, table.track, table.wheel_radius)
     names = table.wheels or found.driven
     wheels = [dataclasses.replace(wheel, name=name) for wheel, name in zip(found.wheels, names, strict=True)]
-    return WheelBase(
+    base = WheelBase(
         wheels, name=found.name, radius=found.radius, alpha=table.mass_distribution, mass=table.mass,
         com_height=table.height,
     )  # fmt: skip
+    if np.linalg.matrix_rank(base.velocity_coupling, tol=1e-6) < 3:
+        raise ModelError(
+            "the wheels cannot drive this base in all directions and turn it; spread the motor axes' angles"
+        )
+    return base
 
 
 def _drive(cell: BaseCell) -> BaseDrive:

@@ -56,13 +56,17 @@ class DeadMotor:
 
 @dataclass(frozen=True, slots=True)
 class PathError:
-    """Distance from the reference between two times (s): rms and peak, m; peak of the heading error, rad."""
+    """Distance from the reference between two times (s): rms and peak, m; peak of the heading error, rad.
+
+    `believed` is the peak that the controller believes in: the rest is drift of its dead reckoning.
+    """
 
     phase: str
     start: float
     end: float
     rms: float
     peak: float
+    believed: float
     heading: float
 
 
@@ -121,8 +125,10 @@ def path_errors(log: BaseLog, slips: Sequence[SlipEpisode], faults: Sequence[Bas
 def _path_error(log: BaseLog, phase: str, start: float, end: float) -> PathError:
     within = (log.time >= start) & (log.time <= end)
     error = log.path_error[within]
+    believed = np.hypot(*(log.estimated_pose - log.reference_pose)[within, :2].T)
     heading = float(np.abs(log.heading_error[within]).max())
-    return PathError(phase, start, end, float(np.sqrt(np.mean(error**2))), float(error.max()), heading)
+    rms, peak = float(np.sqrt(np.mean(error**2))), float(error.max())
+    return PathError(phase, start, end, rms, peak, float(believed.max()), heading)
 
 
 def _stretches(on: NDArray[np.bool_], gap: int) -> list[tuple[int, int]]:

@@ -81,7 +81,7 @@ def _map(job: BaseJob, found: Findings) -> Figures:
     marks += [MapMark(f"motor of {motor.wheel} {motor.kind}", _place(log, motor.time), MARK) for motor in found.dead]
     patches = [MapPatch(patch.name, patch_corners(patch), PATCH) for patch in job.cell.floor.patches]
     table = Table(
-        ("phase", "from", "to", "rms", "peak", "heading, peak", "peak without handling"),
+        ("phase", "from", "to", "rms", "peak", "peak, believed", "heading, peak", "peak without handling"),
         [
             (
                 error.phase,
@@ -89,13 +89,17 @@ def _map(job: BaseJob, found: Findings) -> Figures:
                 f"{error.end:.2f} s",
                 f"{1e3 * error.rms:.1f} mm",
                 f"{1e3 * error.peak:.1f} mm",
+                f"{1e3 * error.believed:.1f} mm",
                 f"{np.degrees(error.heading):.1f}°",
                 f"{1e3 * other.peak:.1f} mm",
             )
             for error, other in zip(found.errors, found.bare_errors, strict=True)
         ],
     )
-    note = "Distance from where the reference is at the same instant, of the true pose."
+    note = (
+        "Distance of the true pose from where the reference is at the same instant. The controller knows its pose by "
+        "dead reckoning only; what it believes its error to be is the believed peak, the rest is drift."
+    )
     return Figures("path", "Path", [TopView("seen from above", lines, patches, marks), table], note)
 
 

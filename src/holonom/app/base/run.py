@@ -64,7 +64,12 @@ def _summary(job: BaseJob, found: Findings) -> dict[str, Any]:
         ],
         "dead_motors": [asdict(motor) for motor in found.dead],
         "path_errors_m": {
-            error.phase: {"rms": error.rms, "peak": error.peak, "peak_without_handling": other.peak}
+            error.phase: {
+                "rms": error.rms,
+                "peak": error.peak,
+                "believed_peak": error.believed,
+                "peak_without_handling": other.peak,
+            }
             for error, other in zip(found.errors, found.bare_errors, strict=True)
         },
     }
