@@ -154,6 +154,7 @@ FAULTS = [  # what was done to a good log, and what is said
     (put(20, 0, 0.3), r"1_run-01.csv:21: column 1 \(time\): 0.3 s after 0.95 s; time must grow"),
     (put(20, 0, 0.95), r"1_run-01.csv:21: column 1 \(time\): 0.95 s after 0.95 s"),
     (lambda v: np.delete(v, slice(50, 60), axis=0), r"1_run-01.csv:51: column 1 \(time\): 1 gap\(s\) up to 0.55 s"),
+    (lambda v: np.delete(v, 7, axis=0), r"1_run-01.csv:8: column 1 \(time\): 1 gap\(s\) up to 0.1 s"),
     (lambda v: v[:, :5], r"1_run-01.csv:1: 5 columns; 6 are expected: time, x, y, theta, right, left"),
     (lambda v: v[:, [0, 1, 2, 3, 5, 4]], r"columns left, right are swapped: read in the order right, left"),
     (times(slice(1, 3), 1000.0), r"column 2 \(x\): the truth moves at .* m/s; .* mm instead of m"),

@@ -29,8 +29,10 @@ LENGTHS = {1000.0: "mm instead of m", 100.0: "cm instead of m"}
 ANGLES = {180.0 / np.pi: "degrees instead of rad"}
 
 
-def check_time(table: Table, *, allow_gaps: bool) -> tuple[str, ...]:
+def check_time(table: Table, *, allow_gaps: bool, factor: float = 2.5) -> tuple[str, ...]:
     """Refuse time that stands still or goes back, and gaps; notes on gaps that are allowed.
+
+    A step above `factor` times the median one is a gap.
 
     Raises
     ------
@@ -43,7 +45,7 @@ def check_time(table: Table, *, allow_gaps: bool) -> tuple[str, ...]:
         table.fault(
             row, "time", f"{time[row]:g} s after {time[row - 1]:g} s; time must grow: sort the log or cut it there"
         )
-    gaps = np.flatnonzero(find_gaps(time))
+    gaps = np.flatnonzero(find_gaps(time, factor))
     if not len(gaps):
         return ()
     first, longest = int(gaps[0]), float(np.max(steps))

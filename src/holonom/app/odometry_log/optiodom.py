@@ -29,6 +29,7 @@ Array = NDArray[np.float64]
 
 METADATA = re.compile(r"(.+)_metadata\.csv(\.gz)?")
 RUN = re.compile(r"(.+)_run-(\d+)\.csv(\.gz)?")
+EVEN = 1.5  # samples are even: a step above that many times the median one has lost one
 POSE = ("time", "x", "y", "theta")
 
 
@@ -175,7 +176,7 @@ def _missing(facts: _Facts, files: list[Path]) -> list[str]:
 def _read_run(path: Path, facts: _Facts, *, allow_gaps: bool) -> tuple[Run, tuple[str, ...]]:
     kind = facts.kind
     table = read_table(path, (*POSE, *kind.columns))
-    notes = check_time(table, allow_gaps=allow_gaps)
+    notes = check_time(table, allow_gaps=allow_gaps, factor=EVEN)
     wheels = kind.columns[: len(kind.signs)]
     turns = np.stack([table.column(name) for name in wheels], axis=1) * np.array(kind.signs) * facts.angle
     steering = table.column("steering")[:, None] if "steering" in kind.columns else np.empty((len(turns), 0))
