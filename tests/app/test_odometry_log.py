@@ -79,6 +79,11 @@ def test_logs_come_back_as_they_went(tmp_path: Path, kind, make: Callable[[], Ru
         assert ours.truth.shape == theirs.truth.shape
         assert np.allclose(ours.truth, theirs.truth, atol=1e-12)
     assert read_log([tmp_path / "log"]).drive == drive
+    one = tmp_path / "log" / f"002-blind.{kind}"
+    assert [r.name for r in read_log([one]).runs] == ["002-blind"]
+    other = one.rename(one.with_stem("other"))
+    with pytest.raises(LogError, match="does not name other"):
+        read_log([other])
 
 
 def test_a_peer_reads_what_is_written_to_mcap(tmp_path: Path) -> None:

@@ -127,8 +127,8 @@ def read_description(path: Path) -> Description:
     return description
 
 
-def read_plain(path: Path, *, allow_gaps: bool = False) -> OdometryLog:
-    """Read a log of the plain format by its TOML file.
+def read_plain(path: Path, *, only: str | None = None, allow_gaps: bool = False) -> OdometryLog:
+    """Read a log of the plain format by its TOML file: all its runs, or the only one that is named.
 
     Raises
     ------
@@ -137,7 +137,9 @@ def read_plain(path: Path, *, allow_gaps: bool = False) -> OdometryLog:
     description = read_description(path)
     runs: list[Run] = []
     notes: list[str] = []
-    for name in description.runs:
+    if only is not None and only not in description.runs:
+        raise LogError(f"{path} does not name {only} among its runs ({', '.join(description.runs)}); add it")
+    for name in description.runs if only is None else [only]:
         run, gaps = read_run(path.parent / name, description, allow_gaps=allow_gaps)
         runs.append(run)
         notes += gaps

@@ -13,13 +13,16 @@ from holonom.errors import LogError
 
 __all__ = ["read_log"]
 
+RUNS = (".csv", ".gz", ".mcap")  # endings of run files of the plain format
+
 
 def read_log(paths: Sequence[Path], *, drive: str | None = None, allow_gaps: bool = False) -> OdometryLog:
     """Read logs as one.
 
     Parameters
     ----------
-    paths : folders of the OptiOdom data set or above several of them, run files of it, TOML files of the plain format.
+    paths : folders of the OptiOdom data set or above several of them, run files of it; TOML files of the plain
+        format, or run files beside the one that describes them.
     drive : what was driven; sets of other drives below a folder are passed over. Taken from the logs unless given.
     allow_gaps : let gaps in time pass with a note.
 
@@ -54,6 +57,9 @@ def _logs(path: Path, drive: str | None, *, allow_gaps: bool) -> list[OdometryLo
     if run:
         metadata = path.parent / f"{run[1]}_metadata.csv"
         return [read_optiodom(metadata, only=[path], allow_gaps=allow_gaps)]
+    described = sorted(path.parent.glob("*.toml"))
+    if path.is_file() and path.suffix in RUNS and len(described) == 1:
+        return [read_plain(described[0], only=path.name, allow_gaps=allow_gaps)]
     reason = "is no log" if path.exists() else "is not there"
     raise LogError(f"{path} {reason}; give a folder of the OptiOdom data set, or the TOML file that describes a log")
 
