@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -62,7 +63,7 @@ def calibrate_odometry(
     rule : of integration, a key of `odometry.RULES`.
     held_out : for least squares, also the errors of each run by a calibration from the others.
     allow_gaps : let gaps in the logs pass with a note.
-    output : folder for `odometry.json` and a picture of the paths (if Matplotlib is there).
+    output : folder for `odometry.json` and, with Matplotlib, a picture of the paths.
 
     Raises
     ------
@@ -83,8 +84,9 @@ def calibrate_odometry(
     data = {"drive": log.drive, "method": method, "rule": rule, "runs": [run.name for run in log.runs], **found.data}
     data["notes"] = [*log.notes, *found.notes]
     if folder is not None:
+        if not _draw(log, found.matrix, rule, folder / PICTURE):
+            data["notes"].append("no picture of the paths, Matplotlib is not installed: pip install 'holonom[plots]'")
         (folder / FILE).write_text(json.dumps(data, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-        _draw(log, found.matrix, rule, folder / PICTURE)
     return Answer(_text(data), data)
 
 
@@ -195,11 +197,10 @@ def _number(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _draw(log: OdometryLog, matrix: Array, rule: str, path: Path) -> None:
-    try:
-        import matplotlib  # noqa: F401
-    except ImportError:
-        return
+def _draw(log: OdometryLog, matrix: Array, rule: str, path: Path) -> bool:
+    """Draw the first runs; False where that cannot be."""
+    if importlib.util.find_spec("matplotlib") is None:
+        return False
     from holonom.plots.odometry import draw_odometry
 
     nominal = drive_parameters(log.drive, log.nominal)
@@ -210,6 +211,7 @@ def _draw(log: OdometryLog, matrix: Array, rule: str, path: Path) -> None:
         for name, M in (("nominal", before), ("calibrated", matrix))
     }
     draw_odometry([run.truth for run in runs], drawn, names=[run.name for run in runs], save=path)
+    return True
 
 
 def _text(data: Mapping[str, Any]) -> str:

@@ -169,7 +169,9 @@ def _add_calibrate(commands: Commands[argparse.ArgumentParser]) -> None:
 
 def _add_calibrate_odometry(subjects: Commands[argparse.ArgumentParser]) -> None:
     odometry = subjects.add_parser("odometry", help="wheels of a mobile base, from logs of them and the truth")
-    odometry.add_argument("logs", metavar="LOG|FOLDER", nargs="+", type=Path, help="OptiOdom folder, TOML, CSV or MCAP")
+    odometry.add_argument(
+        "logs", metavar="LOG|FOLDER", nargs="+", type=Path, help="OptiOdom folder, or TOML beside its CSV or MCAP"
+    )
     drives = ("differential", "tricycle", "omni3", "mecanum")
     odometry.add_argument("--drive", choices=drives, help="that of the logs unless given")
     odometry.add_argument("--method", choices=("umbmark", "least-squares"), default="least-squares")

@@ -13,8 +13,6 @@ from holonom.sim import BaseFault, BaseLog, Floor
 
 __all__ = ["DeadMotor", "PathError", "SlipEpisode", "dead_motors", "path_errors", "slip_episodes"]
 
-SLIPPING = 2.0
-"""Slip over the slip at which friction peaks, from which a wheel counts as slipping: it no longer grips."""
 GAP = 0.05
 """Pauses (s) within one episode of slip."""
 
@@ -72,7 +70,7 @@ class PathError:
 
 def slip_episodes(log: BaseLog, floor: Floor) -> list[SlipEpisode]:
     """Every stretch of time in which a wheel slipped beyond its grip, in order of their starts."""
-    limit = SLIPPING * floor.material.slip_at_peak
+    limit = floor.material.slip_at_peak  # beyond it friction falls: the wheel no longer grips
     episodes = []
     for number, name in enumerate(log.wheels):
         for first, last in _stretches(np.abs(log.slip[:, number]) > limit, round(GAP / _dt(log))):

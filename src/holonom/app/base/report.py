@@ -34,7 +34,7 @@ __all__ = ["Findings", "write_base_report"]
 
 Array = NDArray[np.float64]
 
-REFERENCE, TRUE, BELIEVED, BARE = "#94a3b8", "#0f766e", "#5f3dc4", "#d9480f"
+REFERENCE, TRUE, BELIEVED, BARE = "#16202e", "#0f766e", "#8f7ae0", "#f0a37f"
 INTACT, DEAD = "#0b7285", "#d9480f"
 PATCH, MARK = "#bfe3f5", "#b3261e"
 
@@ -72,10 +72,10 @@ def write_base_report(path: Path, job: BaseJob, found: Findings, recording: Path
 def _map(job: BaseJob, found: Findings) -> Figures:
     log, bare = found.log, found.bare
     lines = [
-        MapLine("reference", log.reference_pose[:, :2], REFERENCE, dashed=True),
         MapLine("without handling of faults", bare.pose[:, :2], BARE),
-        MapLine("where the controller believed to be", log.estimated_pose[:, :2], BELIEVED),
         MapLine("driven", log.pose[:, :2], TRUE),
+        MapLine("where the controller believed to be", log.estimated_pose[:, :2], BELIEVED),
+        MapLine("reference", log.reference_pose[:, :2], REFERENCE, dashed=True),
     ]
     marks = [MapMark(f"{slip.wheel} slips", _place(log, slip.start), MARK) for slip in found.slips]
     marks += [MapMark(f"motor of {motor.wheel} {motor.kind}", _place(log, motor.time), MARK) for motor in found.dead]

@@ -63,15 +63,19 @@ def _summary(job: BaseJob, found: Findings) -> dict[str, Any]:
             asdict(slip) | {"named": list(slip.named), "delay": slip.delay, "right": slip.right} for slip in found.slips
         ],
         "dead_motors": [asdict(motor) for motor in found.dead],
-        "path_errors_m": {
-            error.phase: {
-                "rms": error.rms,
-                "peak": error.peak,
-                "believed_peak": error.believed,
-                "peak_without_handling": other.peak,
+        "path_errors": [
+            {
+                "phase": error.phase,
+                "start_s": error.start,
+                "end_s": error.end,
+                "rms_m": error.rms,
+                "peak_m": error.peak,
+                "believed_peak_m": error.believed,
+                "heading_peak_rad": error.heading,
+                "peak_without_handling_m": other.peak,
             }
             for error, other in zip(found.errors, found.bare_errors, strict=True)
-        },
+        ],
     }
 
 
@@ -101,10 +105,10 @@ def _text(summary: dict[str, Any], folder: Path) -> str:
         late = motor["detected"]
         told = "not found" if late is None else f"found after {1e3 * (late - motor['time']):.0f} ms"
         lines.append(f"{motor['time']:.2f} s: motor of {motor['wheel']} {motor['kind']}; {told}")
-    for phase, error in summary["path_errors_m"].items():
-        bare = 1e3 * error["peak_without_handling"]
+    for error in summary["path_errors"]:
+        bare = 1e3 * error["peak_without_handling_m"]
         lines.append(
-            f"{phase}: path error rms {1e3 * error['rms']:.1f} mm, peak {1e3 * error['peak']:.1f} mm "
+            f"{error['phase']}: path error rms {1e3 * error['rms_m']:.1f} mm, peak {1e3 * error['peak_m']:.1f} mm "
             f"(without handling {bare:.1f} mm)"
         )
     lines.append(f"report: {folder / 'report.html'}")

@@ -16,7 +16,8 @@ Array = NDArray[np.float64]
 
 _SIDE = 320.0
 _RADIUS = 118.0
-_RINGS = 3
+_RINGS = 4
+"""At most so many."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,9 +41,11 @@ class Polar:
 
 def polar_svg(polar: Polar) -> str:
     """The plot: rings with their values, directions, closed lines."""
-    step = _ring_step(max(float(np.max(line.values)) for line in polar.lines))
-    scale = _RADIUS / (step * _RINGS)
-    body = "".join(_ring(k * step, scale, polar.unit if k == _RINGS else "") for k in range(1, _RINGS + 1))
+    largest = max(float(np.max(line.values)) for line in polar.lines)
+    step = _ring_step(largest)
+    rings = max(1, math.ceil(largest / step - 1e-3))
+    scale = _RADIUS / (step * rings)
+    body = "".join(_ring(k * step, scale, polar.unit if k == rings else "") for k in range(1, rings + 1))
     body += "".join(_spoke(math.radians(degrees), degrees) for degrees in range(0, 360, 45))
     body += "".join(_line(line, scale) for line in polar.lines)
     return f'<svg viewBox="0 0 {_SIDE:g} {_SIDE:g}" role="img" aria-label="{escape(polar.title)}">{body}</svg>'
@@ -81,7 +84,7 @@ def _line(line: PolarLine, scale: float) -> str:
 
 
 def _ring_step(largest: float) -> float:
-    """Ring distance of one, two or five tens such that three rings hold the largest value."""
+    """The least ring distance of 1, 2, 2.5 or 5 tens with which few enough rings hold the largest value."""
     if largest <= 0.0:
         return 1.0
     decade = 10.0 ** math.floor(math.log10(largest / _RINGS))

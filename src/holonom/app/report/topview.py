@@ -13,8 +13,8 @@ __all__ = ["MapLine", "MapMark", "MapPatch", "TopView", "topview_svg"]
 
 Array = NDArray[np.float64]
 
-_WIDTH = 640.0
-_MARGIN = 34.0
+_WIDTH = 1080.0
+_MARGIN = 36.0
 _POINTS = 1500
 
 
@@ -80,20 +80,25 @@ def topview_svg(view: TopView) -> str:
 def _grid(low: Array, high: Array, place: Callable[[Array], Array]) -> str:
     step = _step(float(max(high - low)))
     out = ""
-    for x in np.arange(np.ceil(low[0] / step), np.floor(high[0] / step) + 1) * step:
+    for x in _ticks(low[0], high[0], step):
         (x1, y1), (_, y2) = place(np.array([[x, low[1]], [x, high[1]]]))
         out += f'<line class="grid" x1="{x1:.1f}" y1="{y1:.1f}" x2="{x1:.1f}" y2="{y2:.1f}"/>'
         out += f'<text class="value" x="{x1:.1f}" y="{y1 + 18:.1f}">{x:g} m</text>'
-    for y in np.arange(np.ceil(low[1] / step), np.floor(high[1] / step) + 1) * step:
+    for y in _ticks(low[1], high[1], step):
         (x1, y1), (x2, _) = place(np.array([[low[0], y], [high[0], y]]))
         out += f'<line class="grid" x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y1:.1f}"/>'
         out += f'<text class="value" x="{x1 - 17:.1f}" y="{y1:.1f}">{y:g}</text>'
     return out
 
 
+def _ticks(low: float, high: float, step: float) -> Array:
+    ticks: Array = np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step + 0.0  # no -0
+    return ticks
+
+
 def _step(extent: float) -> float:
-    decade = 10.0 ** np.floor(np.log10(extent / 3))
-    return float(max(s * decade for s in (1, 2, 5) if s * decade <= extent / 3))
+    decade = 10.0 ** np.floor(np.log10(extent / 4))
+    return float(max(s * decade for s in (1, 2, 5) if s * decade <= extent / 4))
 
 
 def _patch(patch: MapPatch, corners: Array) -> str:
@@ -106,7 +111,7 @@ def _patch(patch: MapPatch, corners: Array) -> str:
 
 def _line(line: MapLine, points: Array) -> str:
     thin = points[:: max(1, -(-len(points) // _POINTS))]
-    dash = ' stroke-dasharray="6 4"' if line.dashed else ""
+    dash = ' stroke-dasharray="2 7"' if line.dashed else ""
     return f'<polyline points="{_text(thin)}" style="stroke:{escape(line.colour)}"{dash}/>'
 
 
