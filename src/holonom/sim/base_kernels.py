@@ -69,7 +69,7 @@ def find_material(floor: Records, patches: Records, x: float, y: float, wheel: A
 
 @njit(cache=True, error_model="numpy")
 def plant_step(body: Any, state: Any, wheels: Records, states: Records, support: Floats) -> None:
-    """Advance body and wheels by one step of `body.dt`, in place; in place.
+    """Advance body and wheels by one step of `body.dt`, in place.
 
     `support` spreads the weight and its moments over the wheels on the floor, (k, 3): the driven ones first.
     """
@@ -81,25 +81,28 @@ def plant_step(body: Any, state: Any, wheels: Records, states: Records, support:
     bx = by = bw = 0.0
     for i in range(len(wheels)):
         wheel, own = wheels[i], states[i]
-        _motor(wheel, own, h)
-        _slip(wheel, own, state)
-        kl, kx = own.along_stiffness, own.across_stiffness
+        torque, damping = _motor(wheel, own, h)
+        along, across, kl, kx = _slip(wheel, own, state)
+        lx, ly, lw = wheel.along_x, wheel.along_y, wheel.along_arm
+        cx, cy, cw = wheel.across_x, wheel.across_y, wheel.across_arm
         rl, rx = wheel.along_radius, wheel.across_radius
-        own.yielding = h / (_effective_inertia(wheel, own, h) + h * (kl * rl * rl + kx * rx * rx))
-        qx = kl * rl * wheel.along_x + kx * rx * wheel.across_x
-        qy = kl * rl * wheel.along_y + kx * rx * wheel.across_y
-        qw = kl * rl * wheel.along_arm + kx * rx * wheel.across_arm
-        pull = own.yielding * (own.torque - rl * own.along - rx * own.across)
-        bx += h * (wheel.along_x * own.along + wheel.across_x * own.across + qx * pull)
-        by += h * (wheel.along_y * own.along + wheel.across_y * own.across + qy * pull)
-        bw += h * (wheel.along_arm * own.along + wheel.across_arm * own.across + qw * pull)
-        g = h * own.yielding
-        xx += h * (kl * wheel.along_x * wheel.along_x + kx * wheel.across_x * wheel.across_x) - g * qx * qx
-        yy += h * (kl * wheel.along_y * wheel.along_y + kx * wheel.across_y * wheel.across_y) - g * qy * qy
-        ww += h * (kl * wheel.along_arm * wheel.along_arm + kx * wheel.across_arm * wheel.across_arm) - g * qw * qw
-        xy += h * (kl * wheel.along_x * wheel.along_y + kx * wheel.across_x * wheel.across_y) - g * qx * qy
-        xw += h * (kl * wheel.along_x * wheel.along_arm + kx * wheel.across_x * wheel.across_arm) - g * qx * qw
-        yw += h * (kl * wheel.along_y * wheel.along_arm + kx * wheel.across_y * wheel.across_arm) - g * qy * qw
+        inertia = JAMMED if own.motor == BLOCKED else wheel.inertia + h * damping
+        yielding = h / (inertia + h * (kl * rl * rl + kx * rx * rx))
+        ql, qc = kl * rl, kx * rx
+        qx, qy, qw = ql * lx + qc * cx, ql * ly + qc * cy, ql * lw + qc * cw
+        pull = yielding * (torque - rl * along - rx * across)
+        bx += h * (lx * along + cx * across + qx * pull)
+        by += h * (ly * along + cy * across + qy * pull)
+        bw += h * (lw * along + cw * across + qw * pull)
+        g, hl, hc = h * yielding, h * kl, h * kx
+        xx += hl * lx * lx + hc * cx * cx - g * qx * qx
+        yy += hl * ly * ly + hc * cy * cy - g * qy * qy
+        ww += hl * lw * lw + hc * cw * cw - g * qw * qw
+        xy += hl * lx * ly + hc * cx * cy - g * qx * qy
+        xw += hl * lx * lw + hc * cx * cw - g * qx * qw
+        yw += hl * ly * lw + hc * cy * cw - g * qy * qw
+        own.torque, own.effective, own.yielding = torque, inertia, yielding
+        own.along, own.across, own.along_stiffness, own.across_stiffness = along, across, kl, kx
     dx, dy, dw = _solve(xx, yy, ww, xy, xw, yw, bx, by, bw)
     _advance(body, state, wheels, states, dx, dy, dw)
 
@@ -120,24 +123,25 @@ def _loads(body: Any, state: Any, states: Records, support: Floats) -> None:
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _motor(wheel: Any, own: Any, h: float) -> None:
+def _motor(wheel: Any, own: Any, h: float) -> tuple[float, float]:
     """Current at the end of the step, torque on the wheel, and how torque falls with wheel speed (N m s)."""
     ratio = wheel.gear.ratio
     speed = ratio * own.speed
-    electric = 0.0
-    before = own.current
-    if own.motor == DEAD:
-        own.current = 0.0
-    else:
-        own.current = armature_step(wheel.armature, before, own.voltage, speed)
-        electric = (
-            wheel.torque_constant * wheel.armature.back_emf * wheel.armature.conductance * (1.0 - wheel.armature.decay)
-        )
+    current, electric = 0.0, 0.0
+    if own.motor != DEAD:
+        current = armature_step(wheel.armature, own.current, own.voltage, speed)
+        electric = wheel.torque_constant * _current_slope(wheel.armature)
+    own.current = current
     friction, slope = _friction(wheel.friction, speed)
-    motor = wheel.torque_constant * own.current - friction
-    own.torque = gear_torque(wheel.gear, motor, speed)
+    motor = wheel.torque_constant * current - friction
     efficiency = wheel.gear.efficiency if motor * speed >= 0.0 else 1.0 / wheel.gear.efficiency
-    own.damping = ratio * ratio * efficiency * (electric + slope)
+    return gear_torque(wheel.gear, motor, speed), ratio * ratio * efficiency * (electric + slope)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _current_slope(armature: Any) -> float:
+    """How much current (A s/rad) back-emf takes in a step as the motor turns faster."""
+    return armature.conductance * (1.0 - armature.decay) * armature.back_emf
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -151,33 +155,26 @@ def _friction(params: Any, speed: float) -> tuple[float, float]:
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _effective_inertia(wheel: Any, own: Any, h: float) -> float:
-    return JAMMED if own.motor == BLOCKED else wheel.inertia + h * own.damping
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def _slip(wheel: Any, own: Any, state: Any) -> None:
-    """Slip speeds, forces on the base and their slopes at the start of the step."""
+def _slip(wheel: Any, own: Any, state: Any) -> tuple[float, float, float, float]:
+    """Forces on the base along and across (N), and their slopes over slip (N s/m), at the start of the step."""
     along = wheel.along_radius * own.speed - (
         wheel.along_x * state.vx + wheel.along_y * state.vy + wheel.along_arm * state.w
     )
     across = wheel.across_radius * own.speed - (
         wheel.across_x * state.vx + wheel.across_y * state.vy + wheel.across_arm * state.w
     )
-    own.slip, own.across_slip = along, across
+    own.slip = along
+    load, material = own.load, own.material
     if wheel.rollers:
-        mu, slope = slip_friction(own.material, along)
-        own.along, own.along_stiffness = own.load * mu, own.load * slope
-        drag = own.load * min(wheel.roller_drag, own.material.peak)
+        mu, slope = slip_friction(material, along)
+        drag = load * min(wheel.roller_drag, material.peak)
         inverse = 1.0 / math.sqrt(across * across + ROLLER_SMOOTHING * ROLLER_SMOOTHING)
-        own.across = drag * inverse * across
-        own.across_stiffness = drag * inverse * (ROLLER_SMOOTHING * inverse) ** 2
-    else:
-        total = math.sqrt(along * along + across * across) + LEAST_SLIP
-        mu, _ = slip_friction(own.material, total)
-        secant = own.load * mu / total
-        own.along, own.across = secant * along, secant * across
-        own.along_stiffness = own.across_stiffness = secant
+        part = ROLLER_SMOOTHING * inverse
+        return load * mu, drag * inverse * across, load * slope, drag * inverse * part * part
+    total = math.sqrt(along * along + across * across) + LEAST_SLIP
+    mu, _ = slip_friction(material, total)
+    secant = load * mu / total
+    return secant * along, secant * across, secant, secant
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -204,78 +201,72 @@ def _advance(body: Any, state: Any, wheels: Records, states: Records, dx: float,
     fx = fy = fw = 0.0
     for i in range(len(wheels)):
         wheel, own = wheels[i], states[i]
-        _settle_wheel(wheel, own, h, dx, dy, dw)
-        fx += wheel.along_x * own.along + wheel.across_x * own.across
-        fy += wheel.along_y * own.along + wheel.across_y * own.across
-        fw += wheel.along_arm * own.along + wheel.across_arm * own.across
-    dx, dy, dw = h * fx / body.mass, h * fy / body.mass, h * fw / body.inertia
-    vx, vy, w = state.vx + 0.5 * dx, state.vy + 0.5 * dy, state.w + 0.5 * dw
-    for i in range(len(wheels)):
-        wheel, own = wheels[i], states[i]
-        speed = own.speed + 0.5 * own.torque  # `torque` now holds the change of speed
-        along = wheel.along_radius * speed - (wheel.along_x * vx + wheel.along_y * vy + wheel.along_arm * w)
-        across = wheel.across_radius * speed - (wheel.across_x * vx + wheel.across_y * vy + wheel.across_arm * w)
-        _book(wheel, own, state, h, speed, own.along * along + own.across * across)
-        own.speed += own.torque
-        own.angle += h * own.speed
+        along, across = _settle_wheel(wheel, own, h, dx, dy, dw)
+        fx += wheel.along_x * along + wheel.across_x * across
+        fy += wheel.along_y * along + wheel.across_y * across
+        fw += wheel.along_arm * along + wheel.across_arm * across
     state.ax, state.ay = fx / body.mass, fy / body.mass
+    dx, dy, dw = h * state.ax, h * state.ay, h * fw / body.inertia
+    vx, vy, w = state.vx + 0.5 * dx, state.vy + 0.5 * dy, state.w + 0.5 * dw
+    _book(state, wheels, states, h, vx, vy, w)
     _move(state, h, vx + 0.5 * dx, vy + 0.5 * dy, w + 0.5 * dw)
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _settle_wheel(wheel: Any, own: Any, h: float, dx: float, dy: float, dw: float) -> None:
-    """Final forces of a wheel, and the change of its speed (left in `torque`)."""
+def _settle_wheel(wheel: Any, own: Any, h: float, dx: float, dy: float, dw: float) -> tuple[float, float]:
+    """Final forces of a wheel (N), and the change of its speed."""
     rl, rx = wheel.along_radius, wheel.across_radius
-    kl, kx = own.along_stiffness, own.across_stiffness
+    kl, kx, along, across, torque = own.along_stiffness, own.across_stiffness, own.along, own.across, own.torque
     body_along = wheel.along_x * dx + wheel.along_y * dy + wheel.along_arm * dw
     body_across = wheel.across_x * dx + wheel.across_y * dy + wheel.across_arm * dw
-    push = own.torque - rl * own.along - rx * own.across + kl * rl * body_along + kx * rx * body_across
-    turn = own.yielding * push
-    own.along += kl * (rl * turn - body_along)
-    own.across += kx * (rx * turn - body_across)
+    turn = own.yielding * (torque - rl * along - rx * across + kl * rl * body_along + kx * rx * body_across)
+    along += kl * (rl * turn - body_along)
+    across += kx * (rx * turn - body_across)
     limit = own.load * own.material.peak
-    if own.along * own.along + own.across * own.across > limit * limit:
-        _hold(wheel, own, limit)
-        turn = h * (own.torque - rl * own.along - rx * own.across) / _effective_inertia(wheel, own, h)
-    own.current -= _current_drop(wheel, own, turn)
-    own.torque = turn
+    if along * along + across * across > limit * limit:
+        along, across = _held(wheel.rollers, along, across, limit)
+        turn = h * (torque - rl * along - rx * across) / own.effective
+    own.along, own.across, own.turn = along, across, turn
+    return along, across
 
 
 @njit(cache=True, error_model="numpy")
-def _hold(wheel: Any, own: Any, limit: float) -> None:
-    """Hold the force of a wheel to the friction limit (N); rollers get what the drive leaves."""
-    if wheel.rollers:
-        own.along = min(max(own.along, -limit), limit)
-        room = math.sqrt(limit * limit - own.along * own.along)
-        own.across = min(max(own.across, -room), room)
-    else:
-        part = limit / math.sqrt(own.along * own.along + own.across * own.across)
-        own.along *= part
-        own.across *= part
+def _held(rollers: int, along: float, across: float, limit: float) -> tuple[float, float]:
+    """Forces held to the friction limit (N); rollers get what the drive leaves."""
+    if rollers:
+        along = min(max(along, -limit), limit)
+        room = math.sqrt(limit * limit - along * along)
+        return along, min(max(across, -room), room)
+    part = limit / math.sqrt(along * along + across * across)
+    return part * along, part * across
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _current_drop(wheel: Any, own: Any, turn: float) -> float:
-    """Current (A) that back-emf takes as the wheel turns faster by `turn` (rad/s) in this step."""
-    if own.motor == DEAD:
-        return 0.0
-    armature = wheel.armature
-    return armature.conductance * (1.0 - armature.decay) * armature.back_emf * wheel.gear.ratio * turn
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def _book(wheel: Any, own: Any, state: Any, h: float, speed: float, ground: float) -> None:
-    """Add a step to the energies: supply, armature heat, air gap, friction of motor and gear, floor."""
-    airgap = wheel.torque_constant * own.current * wheel.gear.ratio * speed
-    kinetic = wheel.inertia * own.torque * speed
-    to_floor = (own.along * wheel.along_radius + own.across * wheel.across_radius) * speed
+def _book(state: Any, wheels: Records, states: Records, h: float, vx: float, vy: float, w: float) -> None:
+    """Turn the wheels on, and add the step to the energies, at the mean speeds of the step."""
+    supplied = heat = airgap = drag = ground = 0.0
+    for i in range(len(wheels)):
+        wheel, own = wheels[i], states[i]
+        turn, before, along, across, current = own.turn, own.speed, own.along, own.across, own.current
+        ratio, speed = wheel.gear.ratio, before + 0.5 * turn
+        if own.motor != DEAD:
+            current -= _current_slope(wheel.armature) * ratio * turn
+            supplied += current * min(max(own.voltage, -wheel.armature.max_voltage), wheel.armature.max_voltage)
+            heat += current * current / wheel.armature.conductance
+        rim, rim_across = wheel.along_radius * speed, wheel.across_radius * speed
+        slip = rim - (wheel.along_x * vx + wheel.along_y * vy + wheel.along_arm * w)
+        slip_across = rim_across - (wheel.across_x * vx + wheel.across_y * vy + wheel.across_arm * w)
+        work = wheel.torque_constant * current * ratio * speed
+        airgap += work
+        ground += along * slip + across * slip_across
+        drag += h * (work - along * rim - across * rim_across) - wheel.inertia * turn * speed
+        own.current, own.speed = current, before + turn
+        own.angle += h * (before + turn)
+    state.supplied += h * supplied
+    state.heat += h * heat
     state.airgap += h * airgap
-    state.drag += h * (airgap - to_floor) - kinetic
+    state.drag += drag
     state.ground += h * ground
-    if own.motor != DEAD:
-        supply = min(max(own.voltage, -wheel.armature.max_voltage), wheel.armature.max_voltage)
-        state.supplied += h * supply * own.current
-        state.heat += h * own.current * own.current / wheel.armature.conductance
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)

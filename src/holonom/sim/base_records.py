@@ -24,7 +24,7 @@ WHEEL = np.dtype(
         ("along_radius", F),  # slip along and across per wheel speed, m: r cos(gamma), -r sin(gamma)
         ("across_radius", F),
         ("radius", F),
-        ("rollers", np.bool_),  # across: rollers with bearing drag, or tyre with friction
+        ("rollers", np.int64),  # 1 or 0: across: rollers with bearing drag, or tyre with friction
         ("roller_drag", F),  # drag over wheel load
         ("inertia", F),  # wheel and geared rotor, kg m2
         ("torque_constant", F),  # N m/A
@@ -54,10 +54,10 @@ WHEEL_STATE = np.dtype(
         ("load", F),  # N
         ("material", MATERIAL),  # of the floor under it
         ("torque", F),  # scratch of one step: driving torque, N m
-        ("damping", F),  # its fall with wheel speed, N m s
+        ("effective", F),  # wheel inertia and what the motor's fall with speed adds in a step, kg m2
+        ("turn", F),  # change of wheel speed in a step, rad/s
         ("along_stiffness", F),  # force per slip speed, N s/m
         ("across_stiffness", F),
-        ("across_slip", F),
         ("yielding", F),  # change of wheel speed in a step per torque, with its own slip, s/(kg m2)
         ("count", np.int64),  # what the controller knows: counter, observer (motor side)
         ("seen_angle", F),
