@@ -16,7 +16,7 @@ BASE = omni(
 DRIVE = BaseDrive(
     DcMotor(1.2, 0.56e-3, 25.5e-3, 25.5e-3, 9.25e-6, 14.8, 8.0), Gear(3.0), Encoder(4096), roller_drag=0.0
 )
-SUBSTEPS = 4
+SUBSTEPS = 2
 
 
 def measure(setting: Setting) -> list[Figure]:
@@ -37,7 +37,7 @@ def measure(setting: Setting) -> list[Figure]:
             more_is_better=True,
         ),
         Figure(
-            f"its plant alone, {SUBSTEPS} kHz",
+            f"its plant alone, {SUBSTEPS} steps per ms",
             per_second / ours,
             "x real time",
             "solve_ivp LSODA, rtol 1e-4",

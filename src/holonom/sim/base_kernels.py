@@ -74,13 +74,18 @@ def plant_step(body: Any, state: Any, wheels: Records, states: Records, support:
     `support` spreads the weight and its moments over the wheels on the floor, (k, 3): the driven ones first.
     """
     h = body.dt
-    _loads(body, state, states, support)
+    weight, lever = body.mass * GRAVITY, -body.mass * body.height
+    tip_x, tip_y, carried = lever * state.ax, lever * state.ay, 0.0
+    for i in range(len(support)):
+        carried += _support(support, i, weight, tip_x, tip_y)
+    part = weight / carried
     xx = yy = body.mass
     ww = body.inertia
     xy = xw = yw = 0.0
     bx = by = bw = 0.0
     for i in range(len(wheels)):
         wheel, own = wheels[i], states[i]
+        own.load = part * _support(support, i, weight, tip_x, tip_y)
         torque, damping = _motor(wheel, own, h)
         along, across, kl, kx = _slip(wheel, own, state)
         lx, ly, lw = wheel.along_x, wheel.along_y, wheel.along_arm
@@ -108,18 +113,9 @@ def plant_step(body: Any, state: Any, wheels: Records, states: Records, support:
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _loads(body: Any, state: Any, states: Records, support: Floats) -> None:
-    """Wheel loads (N) from weight and the moments `-M a h` of acceleration; a wheel cannot pull on the floor."""
-    weight = body.mass * GRAVITY
-    tip_x, tip_y = -body.mass * body.height * state.ax, -body.mass * body.height * state.ay
-    total = 0.0
-    for i in range(len(support)):
-        load = max(support[i, 0] * weight + support[i, 1] * tip_x + support[i, 2] * tip_y, 0.0)
-        total += load
-        if i < len(states):
-            states[i].load = load
-    for i in range(len(states)):
-        states[i].load *= weight / total
+def _support(support: Floats, i: int, weight: float, tip_x: float, tip_y: float) -> float:
+    """Load (N) of a wheel from weight and the moments `-M a h` of acceleration; it cannot pull on the floor."""
+    return max(support[i, 0] * weight + support[i, 1] * tip_x + support[i, 2] * tip_y, 0.0)
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -272,7 +268,7 @@ def _book(state: Any, wheels: Records, states: Records, h: float, vx: float, vy:
 @njit(cache=True, error_model="numpy", forceinline=True)
 def _move(state: Any, h: float, vx: float, vy: float, w: float) -> None:
     """Pose from the new velocity (still in the old axes), which keeps its direction while base_link turns."""
-    c, s = math.cos(state.theta), math.sin(state.theta)
+    c, s = state.cosine, state.sine
     state.x += h * (c * vx - s * vy)
     state.y += h * (s * vx + c * vy)
     state.theta += h * w
@@ -280,4 +276,5 @@ def _move(state: Any, h: float, vx: float, vy: float, w: float) -> None:
     t = half * (1.0 + half * half / 3.0)  # tangent
     n = 1.0 / (1.0 + t * t)
     a, b = n * (1.0 - t * t), 2.0 * n * t
+    state.cosine, state.sine = a * c - b * s, a * s + b * c
     state.vx, state.vy, state.w = a * vx + b * vy, a * vy - b * vx, w

@@ -6,6 +6,7 @@ plant's. Records in `base_records.py`, loops' steps in `control.base_kernels`, s
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -204,7 +205,8 @@ def _break_motor(own: Any, kind: int) -> None:
 @njit(cache=True, error_model="numpy", forceinline=True)
 def _floor(floor: Records, patches: Records, base: Any, wheels: Records, states: Records) -> None:
     """Look up the material under each wheel."""
-    c, s = np.cos(base.theta), np.sin(base.theta)
+    c, s = math.cos(base.theta), math.sin(base.theta)
+    base.cosine, base.sine = c, s
     for i in range(len(wheels)):
         wheel = wheels[i]
         x, y = base.x + c * wheel.x - s * wheel.y, base.y + s * wheel.x + c * wheel.y

@@ -94,7 +94,7 @@ class BasePlant:
         `substeps` below 1.
     """
 
-    def __init__(self, base: WheelBase, drive: BaseDrive, floor: Floor = Floor(), *, substeps: int = 4) -> None:
+    def __init__(self, base: WheelBase, drive: BaseDrive, floor: Floor = Floor(), *, substeps: int = 2) -> None:
         if substeps < 1:
             raise OutOfLimits(f"BasePlant: substeps is {substeps!r}; it must be at least 1")
         self.base, self.drive = base, drive

@@ -81,6 +81,8 @@ BODY_STATE = np.dtype(
         ("x", F),
         ("y", F),
         ("theta", F),
+        ("cosine", F),  # of theta; set anew each millisecond
+        ("sine", F),
         ("vx", F),  # base_link, m/s and rad/s
         ("vy", F),
         ("w", F),

@@ -127,7 +127,7 @@ def simulate_base(
     faults: Sequence[BaseFault] = (),
     settings: BaseSettings = BaseSettings(),
     rng: np.random.Generator,
-    substeps: int = 4,
+    substeps: int = 2,
 ) -> BaseLog:
     """Drive a base along a path; it starts where the path does.
 
