@@ -23,6 +23,7 @@ __all__ = ["BLOCKED", "DEAD", "GRAVITY", "RUNS", "find_material", "plant_step", 
 RUNS, DEAD, BLOCKED = 0, 1, 2
 """A motor that works, one without current that turns freely, one that is jammed."""
 
+FLAGS = {"contract"}
 GRAVITY = 9.80665
 ROLLER_SMOOTHING = 0.01  # m/s, below which roller drag goes over into its opposite
 LEAST_SLIP = 1e-9  # m/s, keeps the direction of slip defined
@@ -33,7 +34,7 @@ Floats = NDArray[np.float64]
 Records = NDArray[np.void]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
 def slip_friction(material: Any, slip: float) -> tuple[float, float]:
     """Friction coefficient and its slope (s/m) at a slip speed (m/s): `D sin(C atan(B s))`; 0 where it falls."""
     x = material.stiffness * slip
@@ -46,7 +47,7 @@ def slip_friction(material: Any, slip: float) -> tuple[float, float]:
     return material.peak * sine, slope
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath=FLAGS)
 def find_material(floor: Records, patches: Records, x: float, y: float, wheel: Any) -> None:
     """Set the material under a wheel at (x, y), m in the world; the last patch counts."""
     found = -1
@@ -67,7 +68,7 @@ def find_material(floor: Records, patches: Records, x: float, y: float, wheel: A
     wheel.material.peak = material.peak
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath=FLAGS)
 def plant_step(body: Any, state: Any, wheels: Records, states: Records, support: Floats) -> None:
     """Advance body and wheels by one step of `body.dt`, in place.
 
@@ -112,13 +113,13 @@ def plant_step(body: Any, state: Any, wheels: Records, states: Records, support:
     _advance(body, state, wheels, states, dx, dy, dw)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _support(support: Floats, i: int, weight: float, tip_x: float, tip_y: float) -> float:
     """Load (N) of a wheel from weight and the moments `-M a h` of acceleration; it cannot pull on the floor."""
     return max(support[i, 0] * weight + support[i, 1] * tip_x + support[i, 2] * tip_y, 0.0)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _motor(wheel: Any, own: Any, h: float) -> tuple[float, float]:
     """Current at the end of the step, torque on the wheel, and how torque falls with wheel speed (N m s)."""
     ratio = wheel.gear.ratio
@@ -134,13 +135,13 @@ def _motor(wheel: Any, own: Any, h: float) -> tuple[float, float]:
     return gear_torque(wheel.gear, motor, speed), ratio * ratio * efficiency * (electric + slope)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _current_slope(armature: Any) -> float:
     """How much current (A s/rad) back-emf takes in a step as the motor turns faster."""
     return armature.conductance * (1.0 - armature.decay) * armature.back_emf
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _friction(params: Any, speed: float) -> tuple[float, float]:
     """Return `devices.friction_torque` and its slope (N m s) at a motor speed."""
     coulomb = params.coulomb_positive if speed > 0.0 else params.coulomb_negative
@@ -150,7 +151,7 @@ def _friction(params: Any, speed: float) -> tuple[float, float]:
     return params.viscous * speed + part * speed, params.viscous + part * smooth * inverse * inverse
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _slip(wheel: Any, own: Any, state: Any) -> tuple[float, float, float, float]:
     """Forces on the base along and across (N), and their slopes over slip (N s/m), at the start of the step."""
     along = wheel.along_radius * own.speed - (
@@ -173,7 +174,7 @@ def _slip(wheel: Any, own: Any, state: Any) -> tuple[float, float, float, float]
     return secant * along, secant * across, secant, secant
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _solve(
     xx: float, yy: float, ww: float, xy: float, xw: float, yw: float, bx: float, by: float, bw: float
 ) -> tuple[float, float, float]:
@@ -190,7 +191,7 @@ def _solve(
     return (bx - xy * y - xw * w) / xx, y, w
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _advance(body: Any, state: Any, wheels: Records, states: Records, dx: float, dy: float, dw: float) -> None:
     """Forces at the end of the step, within the friction limit; speeds, energies and pose from them."""
     h = body.dt
@@ -208,7 +209,7 @@ def _advance(body: Any, state: Any, wheels: Records, states: Records, dx: float,
     _move(state, h, vx + 0.5 * dx, vy + 0.5 * dy, w + 0.5 * dw)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _settle_wheel(wheel: Any, own: Any, h: float, dx: float, dy: float, dw: float) -> tuple[float, float]:
     """Final forces of a wheel (N), and the change of its speed."""
     rl, rx = wheel.along_radius, wheel.across_radius
@@ -226,18 +227,18 @@ def _settle_wheel(wheel: Any, own: Any, h: float, dx: float, dy: float, dw: floa
     return along, across
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", fastmath=FLAGS)
 def _held(rollers: int, along: float, across: float, limit: float) -> tuple[float, float]:
     """Forces held to the friction limit (N); rollers get what the drive leaves."""
     if rollers:
         along = min(max(along, -limit), limit)
-        room = math.sqrt(limit * limit - along * along)
+        room = math.sqrt((limit - along) * (limit + along))  # never below 0, contracted or not
         return along, min(max(across, -room), room)
     part = limit / math.sqrt(along * along + across * across)
     return part * along, part * across
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _book(state: Any, wheels: Records, states: Records, h: float, vx: float, vy: float, w: float) -> None:
     """Turn the wheels on, and add the step to the energies, at the mean speeds of the step."""
     supplied = heat = airgap = drag = ground = 0.0
@@ -265,7 +266,7 @@ def _book(state: Any, wheels: Records, states: Records, h: float, vx: float, vy:
     state.ground += h * ground
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _move(state: Any, h: float, vx: float, vy: float, w: float) -> None:
     """Pose from the new velocity (still in the old axes), which keeps its direction while base_link turns."""
     c, s = state.cosine, state.sine

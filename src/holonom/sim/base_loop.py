@@ -41,7 +41,7 @@ from holonom.devices.kernels import (
     friction_torque,
     tracking_step,
 )
-from holonom.mobile.slip_kernels import SlipParams, slip_start, slip_step
+from holonom.mobile.slip_kernels import NO_SLIP, SlipParams, SlipState, slip_start, slip_step
 from holonom.sim.base_kernels import BLOCKED, RUNS, find_material, plant_step
 
 __all__ = ["LoopParams", "SensorParams", "drive_open", "run_loop"]
@@ -72,6 +72,8 @@ class LoopParams(NamedTuple):
     slip: SlipParams
     rows: Floats  # (m, 3) rim speeds per (vx, vy, w)
     residual: Floats  # (m, m) 1 - D D^+
+    inverse: Floats  # (3, m) D^+: (vx, vy, R w) per rim speed
+    quiet: float  # square sum of the residual, (m/s)^2, up to which nothing slips; below 0: ask the detector always
     mass: float
     inertia: float
     max_force: float  # N that one wheel is asked for, along its rim
@@ -124,7 +126,11 @@ def run_loop(
         for i in range(m):
             rims[i] = _sense(wheels[i], states[i], sensors.current_noise * rng.standard_normal())
         acceleration[0], acceleration[1] = imu_x, imu_y
-        if params.detect:
+        statistic = _residuals(params.residual, rims, wheel_log[k])
+        if params.detect and slip.level == 0 and statistic <= params.quiet:
+            slip = _no_slip(params.inverse, rims)
+            base.status, base.flagged = NO_SLIP, 0
+        elif params.detect:
             slip, found = slip_step(params.slip, slip, rims, gyro - base.gyro_bias, acceleration)
             base.status, base.flagged = found.status, found.named
         lost = _watch_motors(params.watch, wheels, states) if params.compensate else 0
@@ -144,7 +150,7 @@ def run_loop(
         twist = _estimate(params.estimate, rows, base, trust, rims, gyro, imu_x, imu_y)
         _log_body(base, gyro, imu_x, imu_y, body_log[k])
         _log_reference(now, rate, body_log[k])
-        _log_wheels(params.residual, rims, wheels, states, dead, wheel_log[k])
+        _log_wheels(wheels, states, dead, wheel_log[k])
         command, ahead = _keep_path(keeping, base, now)
         wanted = wanted_acceleration(keeping, command, twist, ahead)
         if rate <= 0.0:  # the base had to stop: hold the wheels
@@ -314,13 +320,33 @@ def _drive(wheel: Any, own: Any, force: float, acceleration: float, dead: bool) 
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _log_wheels(residual: Floats, rims: Floats, wheels: Records, states: Records, dead: int, rows: Records) -> None:
-    for i in range(len(wheels)):
-        _log_wheel(wheels[i], states[i], (dead >> i) & 1 == 1, rows[i])
+def _residuals(residual: Floats, rims: Floats, rows: Records) -> float:
+    """Log what no twist explains of the rim speeds, m/s; return its square sum."""
+    total = 0.0
+    for i in range(len(rims)):
         left = 0.0
         for j in range(len(rims)):
             left += residual[i, j] * rims[j]
         rows[i].residual = left
+        total += left * left
+    return total
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _no_slip(inverse: Floats, rims: Floats) -> SlipState:
+    """Return the state that `slip_step` takes in silence: it trusts the twist of all wheels."""
+    vx, vy, rw = 0.0, 0.0, 0.0
+    for i in range(len(rims)):
+        vx += inverse[0, i] * rims[i]
+        vy += inverse[1, i] * rims[i]
+        rw += inverse[2, i] * rims[i]
+    return SlipState(vx, vy, rw, 0.0, 0.0, 0, False, 0, 0, 0)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _log_wheels(wheels: Records, states: Records, dead: int, rows: Records) -> None:
+    for i in range(len(wheels)):
+        _log_wheel(wheels[i], states[i], (dead >> i) & 1 == 1, rows[i])
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)

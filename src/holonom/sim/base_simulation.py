@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2
 
 from holonom.control.path_keeping import EstimateSettings, KeepingSettings
 from holonom.control.traction import TractionSettings, WatchSettings
@@ -189,6 +190,7 @@ def simulate_base(
 def _loop_params(plant: BasePlant, settings: BaseSettings) -> LoopParams:
     base = plant.base
     coupling = Coupling(plant.rows / [1.0, 1.0, base.radius], base.radius, base.alpha)
+    inverse = np.linalg.pinv(coupling.velocity)
     return LoopParams(
         keeping=settings.keeping.params(TICK),
         estimate=settings.estimate.params(TICK),
@@ -196,7 +198,9 @@ def _loop_params(plant: BasePlant, settings: BaseSettings) -> LoopParams:
         watch=(settings.watch or WatchSettings()).params(TICK),
         slip=slip_params(coupling, settings.slip or SLIP),
         rows=np.ascontiguousarray(plant.rows),
-        residual=np.eye(len(plant.rows)) - plant.rows @ np.linalg.pinv(plant.rows),
+        residual=np.eye(len(plant.rows)) - coupling.velocity @ inverse,
+        inverse=np.ascontiguousarray(inverse),
+        quiet=_quiet(settings.slip or SLIP, len(plant.rows)),
         mass=plant.mass,
         inertia=plant.inertia,
         max_force=plant.max_force(settings.friction),
@@ -206,6 +210,13 @@ def _loop_params(plant: BasePlant, settings: BaseSettings) -> LoopParams:
         control_traction=settings.traction is not None,
         compensate=settings.watch is not None,
     )
+
+
+def _quiet(slip: SlipSettings, wheels: int) -> float:
+    """Bound of the detector on the square sum of the residual, (m/s)^2, where it is one number for all wheels."""
+    if wheels <= 3 or not isinstance(slip.noise, float):
+        return -1.0
+    return float(chi2.isf(slip.false_alarm, wheels - 3)) * slip.noise**2
 
 
 def _fault_text(fault: BaseFault, plant: BasePlant) -> str:
