@@ -177,10 +177,8 @@ def joint_torques(arm: Arm, q: ArrayLike, wrench: ArrayLike, frame: str = "world
 
     `frame`: "world", "base" or "tool". Gravity is not in: add `arm.gravity(q)`.
     """
-    h = np.asarray(wrench, dtype=float)
-    if h.shape[-1:] != (6,) or not np.isfinite(h).all():
-        raise ShapeError(f"wrench must be finite and of shape (..., 6), [f; m]; shape {h.shape} came")
-    return np.asarray(np.einsum("...ij,...i->...j", arm.jacobian(q, frame=frame), h))
+    result: Array = arm.calls["joint_torques", frame](q, wrench)
+    return result
 
 
 def transform_wrench(T_ab: ArrayLike, h_b: ArrayLike) -> Array:

@@ -16,7 +16,18 @@ from numpy.typing import NDArray
 
 from holonom.trace.pointer import call_kernel
 
-__all__ = ["LIMIT", "NOT_CONVERGED", "OK", "Chain", "Search", "damped_step", "scratch", "solve_rows"]
+__all__ = [
+    "LIMIT",
+    "NOT_CONVERGED",
+    "OK",
+    "Chain",
+    "Search",
+    "damped_step",
+    "scratch",
+    "solve",
+    "solve_rows",
+    "status_of",
+]
 
 OK, NOT_CONVERGED, LIMIT = 0, 1, 2
 
@@ -261,6 +272,39 @@ def _restart(chain: Any, number: int, q: Floats) -> None:
         q[k] = chain.origin[k] + (u - math.floor(u)) * chain.span[k]
 
 
+@njit(cache=True, error_model="numpy")
+def solve(chain: Any, search: Any, room: Any, starts: Floats, preferred: Floats, row: int) -> tuple[float, int, bool]:
+    """Solve for the goal in `room.source`, to `room.best`: residual squared, steps taken, whether pressed to limits."""
+    n, given = chain.lower.shape[0], min(starts.shape[0], 1)
+    enough = search.tolerance * search.tolerance
+    least, blocked, total = np.inf, False, 0
+    for attempt in range(search.attempts):
+        if attempt < given:
+            _copy(starts, n * row, n, room.q, 0)
+        else:
+            _restart(chain, search.first + attempt - given, room.q)
+        found, steps, pressed = _descend(chain, search, room)
+        total += steps
+        if found < least:
+            least, blocked = found, pressed
+            _copy(room.q, 0, n, room.best, 0)
+        if found <= enough:
+            break
+    if least <= enough and search.criterion != 0:
+        _copy(preferred, n * row, n, room.posture, n)
+        total += _climb(chain, search, room)
+        _copy(room.q, 0, n, room.best, 0)
+    return _evaluate(search, room.best, room), total, blocked
+
+
+@njit(cache=True, error_model="numpy")
+def status_of(search: Any, least: float, blocked: bool) -> int:
+    """The status that a residual squared means."""
+    if least <= search.tolerance * search.tolerance:
+        return OK
+    return LIMIT if blocked else NOT_CONVERGED
+
+
 @njit(cache=True, error_model="numpy", nogil=True)
 def solve_rows(
     chain: Any,
@@ -276,30 +320,12 @@ def solve_rows(
     last: int,
 ) -> None:
     """Solve rows first .. last of goals (12 N,); starts (n N,) or (0,); preferred (n N,) or (0,); to q (n N,)."""
-    n, given = chain.lower.shape[0], min(starts.shape[0], 1)
+    n = chain.lower.shape[0]
     room = scratch(n)
     _copy(search.weights, 0, 6, room.source, n + 12)
-    enough = search.tolerance * search.tolerance
     for row in range(first, last):
         _copy(goals, 12 * row, 12, room.source, n)
-        least, blocked, total = np.inf, False, 0
-        for attempt in range(search.attempts):
-            if attempt < given:
-                _copy(starts, n * row, n, room.q, 0)
-            else:
-                _restart(chain, search.first + attempt - given, room.q)
-            found, steps, pressed = _descend(chain, search, room)
-            total += steps
-            if found < least:
-                least, blocked = found, pressed
-                _copy(room.q, 0, n, room.best, 0)
-            if found <= enough:
-                break
-        if least <= enough and search.criterion != 0:
-            _copy(preferred, n * row, n, room.posture, n)
-            total += _climb(chain, search, room)
-            _copy(room.q, 0, n, room.best, 0)
-        least = _evaluate(search, room.best, room)
+        least, total, blocked = solve(chain, search, room, starts, preferred, row)
         _copy(room.best, 0, n, q, n * row)
         residual[row], iterations[row] = math.sqrt(least), total
-        status[row] = OK if least <= enough else (LIMIT if blocked else NOT_CONVERGED)
+        status[row] = status_of(search, least, blocked)
