@@ -163,6 +163,7 @@ def _of_bodies(build: Callable[[ArmModel, Sequence[Inertial], Options], Kernel])
 
 KERNELS: Mapping[str, Builder] = {
     "closed_loop": lambda model, options: closed_loop.closed_loop_kernel(model, bodies_of(model), options),
+    "stiction": lambda model, options: closed_loop.stiction_kernel(model, bodies_of(model), options),
     "fk": _fk,
     "frames": _all_frames,
     "jacobian": _jacobian,
