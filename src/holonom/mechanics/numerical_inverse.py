@@ -127,7 +127,7 @@ _STATUS = tuple(np.int8(status) for status in InverseStatus)
 class InverseSolver:
     """A numerical inverse prepared for one arm and one way of searching: what `solve_inverse` calls, for many calls.
 
-    `packed` holds chain and search for one pose at a time (see `solver_single.solve_one`).
+    `packed` holds chain and search for one pose at a time (see `solver_kernels.solve_one`).
     """
 
     names: tuple[str, ...]
@@ -168,10 +168,11 @@ class InverseSolver:
         wanted = start if preferred is None else preferred
         if wanted is _NONE and self.search.criterion:
             return None
-        try:
-            code = _solve_one()(*self.packed, self.limits, T, start, wanted, q, residual)
-        except TypeError:
+        if not all(type(a) is np.ndarray and a.dtype == np.float64 and a.flags.carray for a in (T, start, wanted)):
             return None
+        if T.ndim != 2 or wanted.ndim != 1:
+            return None
+        code = _solve_one()(*self.packed, self.limits, T, start, wanted, q, residual)
         if code < 0:
             return None
         return tuple.__new__(InverseResult, (q, _STATUS[code & 3], residual[0], np.int64(code >> 2)))
@@ -205,7 +206,7 @@ class InverseSolver:
 
 @functools.cache
 def _solve_one() -> Callable[..., int]:
-    from holonom.mechanics.solver_single import solve_one  # compiled when it is first asked for
+    from holonom.mechanics.solver_kernels import solve_one  # compiled when it is first asked for
 
     return solve_one
 

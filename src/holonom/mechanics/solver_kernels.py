@@ -14,6 +14,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from holonom.mechanics.pose_check import is_rigid
 from holonom.trace.pointer import call_kernel
 
 __all__ = [
@@ -24,9 +25,8 @@ __all__ = [
     "Search",
     "damped_step",
     "scratch",
-    "solve",
+    "solve_one",
     "solve_rows",
-    "status_of",
 ]
 
 OK, NOT_CONVERGED, LIMIT = 0, 1, 2
@@ -273,7 +273,7 @@ def _restart(chain: Any, number: int, q: Floats) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def solve(chain: Any, search: Any, room: Any, starts: Floats, preferred: Floats, row: int) -> tuple[float, int, bool]:
+def _solve(chain: Any, search: Any, room: Any, starts: Floats, preferred: Floats, row: int) -> tuple[float, int, bool]:
     """Solve for the goal in `room.source`, to `room.best`: residual squared, steps taken, whether pressed to limits."""
     n, given = chain.lower.shape[0], min(starts.shape[0], 1)
     enough = search.tolerance * search.tolerance
@@ -298,8 +298,7 @@ def solve(chain: Any, search: Any, room: Any, starts: Floats, preferred: Floats,
 
 
 @njit(cache=True, error_model="numpy")
-def status_of(search: Any, least: float, blocked: bool) -> int:
-    """The status that a residual squared means."""
+def _status(search: Any, least: float, blocked: bool) -> int:
     if least <= search.tolerance * search.tolerance:
         return OK
     return LIMIT if blocked else NOT_CONVERGED
@@ -325,7 +324,54 @@ def solve_rows(
     _copy(search.weights, 0, 6, room.source, n + 12)
     for row in range(first, last):
         _copy(goals, 12 * row, 12, room.source, n)
-        least, total, blocked = solve(chain, search, room, starts, preferred, row)
+        least, total, blocked = _solve(chain, search, room, starts, preferred, row)
         _copy(room.best, 0, n, q, n * row)
         residual[row], iterations[row] = math.sqrt(least), total
-        status[row] = status_of(search, least, blocked)
+        status[row] = _status(search, least, blocked)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def solve_one(
+    limits: Floats,
+    numbers: Floats,
+    whole: NDArray[np.int64],
+    bounded: bool,
+    T: Floats,
+    start: Floats,
+    preferred: Floats,
+    q: Floats,
+    residual: Floats,
+) -> int:
+    """Solve for one pose T (4, 4), from `start`: (n,), or (0,) for none, as `preferred`.
+
+    The fields of `Chain` come as the rows of `limits`, those of `Search` as `whole` and `numbers` (tolerance, then
+    weights), for arrays go through faster than records. q (n,) and residual (1,) are written.
+
+    All arrays are C-contiguous, of float64 (`whole`: int64).
+
+    Returns
+    -------
+    Four times the steps plus the status; -1 if T is no pose, or the start not finite or, if `bounded`, not in the
+    limits.
+    """
+    n = limits.shape[1]
+    if start.shape[0] not in (0, n) or preferred.shape[0] not in (0, n) or not is_rigid(T):
+        return -1
+    for x in preferred:
+        if not abs(x) < np.inf:
+            return -1
+    for k in range(start.shape[0]):
+        if not abs(start[k]) < np.inf:
+            return -1
+        if bounded and not limits[0, k] - 1e-9 <= start[k] <= limits[1, k] + 1e-9:
+            return -1
+    chain = Chain(limits[0], limits[1], limits[2], limits[3], limits[4], limits[5])
+    search = Search(whole[0], whole[1], whole[2], numbers[1:], numbers[0], whole[3], whole[4], whole[5])
+    room = scratch(n)
+    for i in range(3):
+        room.source[n + 4 * i : n + 4 * i + 4] = T[i]
+    room.source[n + 12 :] = search.weights
+    least, total, blocked = _solve(chain, search, room, start, preferred, 0)
+    q[:] = room.best
+    residual[0] = math.sqrt(least)
+    return 4 * total + _status(search, least, blocked)
