@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from holonom.app.answer import Answer
 from holonom.app.assembly import line_settings
 from holonom.app.job import Job, load_job
-from holonom.errors import ProgramError, ProgramFault
+from holonom.errors import InputError, ProgramError, ProgramFault
 from holonom.lang import Program, Status, load_program, start, step
 from holonom.sim import DryMachine
 
@@ -29,9 +30,21 @@ def check_file(path: Path) -> Answer:
     ------
     InputError
         All that was found, a line each with file and line: in a cell also locations out of reach, joint limits that
-        a motion would leave, and a program that fails or does not end.
+        a motion would leave, and a program that fails or does not end. A file of another type.
     """
-    return _check_program(path) if path.suffix.lower() == ".arps" else _check_cell(path)
+    check = _CHECKS.get(path.suffix.lower())
+    if check is None:
+        raise InputError(
+            f"{path}: {_what_came(path)}; holonom check takes a program (.arps) or a cell file (.toml). "
+            "A robot description (.urdf, .xacro) is checked when it is loaded: holonom.load_arm(path)"
+        )
+    return check(path)
+
+
+def _what_came(path: Path) -> str:
+    if path.is_dir():
+        return "a folder"
+    return f"a file of type {path.suffix!r}" if path.suffix else "a file without an ending"
 
 
 def _check_program(path: Path) -> Answer:
@@ -99,3 +112,6 @@ def _problems(program: Program, machine: DryMachine) -> list[str]:
         f"{program.file}:{line}: {first[line]}{f' ({times[line]} times)' if times[line] > 1 else ''}"
         for line in sorted(first)
     ]
+
+
+_CHECKS: Mapping[str, Callable[[Path], Answer]] = {".arps": _check_program, ".toml": _check_cell}
