@@ -10,7 +10,7 @@ from peers import eaik_robot
 from scipy.spatial.transform import Rotation
 
 from holonom.errors import InputError, NotAPose, ShapeError
-from holonom.mechanics import IkCase, IkStatus, arm_from_dh, load_arm
+from holonom.mechanics import Arm, IkCase, IkStatus, arm_from_dh, load_arm
 from holonom.mechanics.closed_form import closed_form
 from holonom.mechanics.equations.general_arm import quartic_roots
 from holonom.model import DHRow, JointLimits, constant_transform
@@ -381,15 +381,73 @@ def test_points_are_checked():
         arm.ik([np.nan, 0.0, 0.0])
 
 
+def determinants(model, q):
+    """Of the Jacobian of the tool's place, of a three-joint arm."""
+    return np.linalg.det(Arm(model).jacobian(q)[..., :3, :])
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_names_of_the_quartic_say_the_sign_of_the_determinant_and_the_order_of_q3(seed):
+    model = family_model("any three joints", seed)
+    arm, form = Arm(model), form_of(model)
+    q0 = np.random.default_rng(seed).uniform(-3, 3, (1000, 3))
+    found = arm.ik(arm.fk(q0)[:, :3, 3])
+    assert found.names == ("det+ first", "det+ second", "det- first", "det- second")
+    reached, determinant = found.status != IkStatus.UNREACHABLE, determinants(model, found.q)
+    simple = np.abs(np.where(reached, determinant, 1.0)).min(-1) > 1e-4
+    assert simple.mean() > 0.95
+    reached, determinant, q = reached[simple], determinant[simple], found.q[simple]
+    assert (determinant[:, :2][reached[:, :2]] > 0.0).all()
+    assert (determinant[:, 2:][reached[:, 2:]] < 0.0).all()
+    np.testing.assert_array_equal(reached[:, :2], reached[:, 2:])  # as many of the one as of the other
+    assert (reached[:, 0] | ~reached[:, 1]).all()  # the first before the second
+    assert 0 < reached[:, 1].sum() < len(reached)
+    third = (q[:, :, 2] - form.chain.reference[2] + np.pi) % (2 * np.pi) - np.pi
+    four = reached.all(-1)
+    assert (third[four, 0] < third[four, 1]).all()
+    assert (third[four, 2] < third[four, 3]).all()
+    twice = apart(model, q[:, :, None], q[:, None]) + np.where(np.eye(4, dtype=bool), 9.0, 0.0)
+    assert twice[four].min() > 1e-6  # no root is found twice
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_names_of_the_quartic_last(seed):
+    """A branch keeps its sign up to a singularity, its number while none is born, ends or passes the cut."""
+    model = family_model("any three joints", seed)
+    arm = Arm(model)
+    rng = np.random.default_rng(seed)
+    way = rng.uniform(-2, 2, 3) + np.sin(np.linspace(0.0, 5.0, 4000)[:, None] * rng.uniform(0.5, 1.5, 3)) * 1.5
+    found = arm.ik(arm.fk(way)[:, :3, 3])
+    reached = found.status != IkStatus.UNREACHABLE
+    at = np.where(reached, apart(model, found.q, way[:, None]), 9.0).argmin(-1)
+    determinant = determinants(model, way)
+    clear = np.abs(determinant) > 1e-4
+    np.testing.assert_array_equal((at < 2)[clear], determinant[clear] > 0.0)
+    steps = np.flatnonzero(at[1:] != at[:-1])
+    assert 0 < len(steps) < 40
+    third = (found.q[..., 2] - form_of(model).chain.reference[2] + np.pi) % (2 * np.pi) - np.pi
+    for i in steps:
+        born = (reached[i] != reached[i + 1]).any()
+        singular = determinant[i] * determinant[i + 1] <= 0.0 or not clear[i] or not clear[i + 1]
+        cut = (np.abs(third[i, reached[i]]) > np.pi - 0.05).any()
+        assert born or singular or cut
+
+
+def real_roots(*coefficients):
+    return np.sort([root for root, imaginary in quartic_roots(*coefficients) if imaginary == 0.0])
+
+
 def test_quartic_roots():
     rng = np.random.default_rng(16)
     for _ in range(100):
         roots = np.sort(rng.uniform(-3, 3, 4))
         apart_ = np.diff(roots).min()
-        found = np.sort(quartic_roots(*np.poly(roots)[1:].tolist()))
+        found = np.sort([root for root, _ in quartic_roots(*np.poly(roots)[1:].tolist())])
         np.testing.assert_allclose(found, roots, atol=1e-12 / min(apart_, 1.0) ** 3)
-    np.testing.assert_allclose(np.sort(quartic_roots(0.0, -5.0, 0.0, 4.0)), [-2.0, -1.0, 1.0, 2.0], atol=1e-14)
-    np.testing.assert_allclose(np.sort(quartic_roots(0.0, 0.0, 0.0, -1.0))[[0, 3]], [-1.0, 1.0], atol=1e-14)
+    np.testing.assert_allclose(real_roots(0.0, -5.0, 0.0, 4.0), [-2.0, -1.0, 1.0, 2.0], atol=1e-14)
+    np.testing.assert_allclose(real_roots(0.0, 0.0, 0.0, -1.0), [-1.0, 1.0], atol=1e-14)
+    pair = [found for found in quartic_roots(*np.poly([1.0, 2.0, -1.0 + 2.0j, -1.0 - 2.0j]).real[1:]) if found[1] > 0.0]
+    np.testing.assert_allclose(pair, [(-1.0, 2.0)] * 2, atol=1e-12)
 
 
 @pytest.mark.oracle

@@ -185,7 +185,7 @@ def with_torques(share):
 
 
 def test_excitation_keeps_the_torque_limits():
-    t, q, qd, qdd = excited()
+    _, q, qd, qdd = excited()
     strong, weak = load_arm("puma560"), with_torques(0.45)
     assert (np.abs(strong.inverse_dynamics(q, qd, qdd)) <= strong.limits.torque).all()
     free = dataclasses.replace(
