@@ -6,7 +6,7 @@ import dataclasses
 import functools
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,9 +21,6 @@ from holonom.mechanics.kernels import OPTIONS, Calls, make_kernel
 from holonom.model import ArmModel, Body, constant_transform
 from holonom.spatial import check_pose
 from holonom.trace import Kernel, real_array
-
-if TYPE_CHECKING:
-    from holonom.mechanics.nearest import Nearest
 
 __all__ = ["Arm", "IkCase", "IkNearest", "IkResult", "IkStatus", "Limits"]
 
@@ -41,6 +38,17 @@ class Limits:
     speed: Array
     acceleration: Array
     torque: Array
+
+
+@dataclass(frozen=True, slots=True)
+class _Inverse:
+    """What `Arm.ik` looks at in each call; `nowhere`: bytes of a status without a branch that reaches the target."""
+
+    call: Callable[..., Any]
+    poses: bool
+    exact: bool
+    nowhere: bytes
+    names: tuple[str, ...]
 
 
 class Arm:
@@ -178,32 +186,34 @@ class Arm:
         InputError
             No closed form for this arm.
         """
-        form, call, nowhere = self._inverse
-        target = T if form.task == "pose" else _points(T)
+        inverse = self._inverse
+        target = T if inverse.poses else _points(T)
         try:
-            q, status = call(target, threads=threads)
+            q, status = inverse.call(target, threads=threads)
         except ShapeError:
-            if form.task == "pose":
+            if inverse.poses:
                 check_pose(T, "T")  # names what is wrong with it
             raise
-        lost = status.tobytes() == nowhere if status.ndim == 1 else (status == UNREACHABLE).all(-1).any()
-        if lost and form.task == "pose":
-            check_pose(T, "T")
-        if not form.exact:
-            bounds, goal = (self.limits.lower, self.limits.upper), np.asarray(target, dtype=float)
-            q, status = inverse_geometry.refined(self.fk, self.jacobian, bounds, form.task, goal, q, status)
-        return tuple.__new__(IkResult, (q, status, form.names))
+        lost = status.tobytes() == inverse.nowhere if status.ndim == 1 else (status == UNREACHABLE).all(-1).any()
+        if lost and inverse.poses:
+            check_pose(T, "T")  # the kernel reaches nothing that is no pose
+        if inverse.exact:
+            return tuple.__new__(IkResult, (q, status, inverse.names))
+        bounds, goal = (self.limits.lower, self.limits.upper), np.asarray(target, dtype=float)
+        task = "pose" if inverse.poses else "position"
+        q, status = inverse_geometry.refined(self.fk, self.jacobian, bounds, task, goal, q, status)
+        return IkResult(q, status, inverse.names)
 
     @functools.cached_property
-    def _inverse(self) -> tuple[ClosedForm, Callable[..., Any], bytes]:
-        """The closed form, its kernel's call, and the bytes of a status without a branch that reaches the target."""
+    def _inverse(self) -> _Inverse:
         form = self.closed_form
         if form is None:
             raise InputError(
                 f"arm {self.model.name!r} has no closed-form inverse: its axes lie like none of {', '.join(FAMILIES)}; "
                 "ik_nearest(T, q0) finds one solution numerically"
             )
-        return form, self.calls["inverse_geometry"], bytes([UNREACHABLE] * len(form.names))
+        nowhere = bytes([UNREACHABLE] * len(form.names))
+        return _Inverse(self.calls["inverse_geometry"], form.task == "pose", form.exact, nowhere, form.names)
 
     def ik_nearest(self, T: ArrayLike, q0: ArrayLike, *, weights: ArrayLike | None = None) -> IkNearest:
         """The reachable branch nearest to `q0`, with joints whole turns away where limits allow.
@@ -225,17 +235,17 @@ class Arm:
         NotAPose, ShapeError
             As for `ik`; `q0` of another shape, or with a number that is not finite, which is named.
         """
-        if self.closed_form is None:
-            return self._searched(T, q0)
         return self._nearest(T, q0, weights)
 
     @functools.cached_property
-    def _nearest(self) -> Nearest:
+    def _nearest(self) -> Callable[[ArrayLike, ArrayLike, ArrayLike | None], IkNearest]:
+        if self.closed_form is None:
+            return self._searched
         from holonom.mechanics.nearest import Nearest  # compiled code, on first use
 
-        return Nearest(self)
+        return Nearest(self).take
 
-    def _searched(self, T: ArrayLike, q0: ArrayLike) -> IkNearest:
+    def _searched(self, T: ArrayLike, q0: ArrayLike, weights: ArrayLike | None) -> IkNearest:
         """What the numerical solver finds from q0."""
         from holonom.mechanics.numerical_inverse import InverseStatus, solve_inverse
 

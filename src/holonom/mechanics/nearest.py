@@ -57,7 +57,7 @@ class Nearest:
         self._branches = [np.int64(k) for k in range(len(form.names))]
         self._status = [np.int8(status) for status in IkStatus]
 
-    def __call__(self, T: ArrayLike, q0: ArrayLike, weights: ArrayLike | None) -> IkNearest:
+    def take(self, T: ArrayLike, q0: ArrayLike, weights: ArrayLike | None) -> IkNearest:
         """Arguments, result and errors as for `Arm.ik_nearest`."""
         joints = self._joints if weights is None else self._weighted(weights)
         q = np.empty(joints.shape[1])

@@ -234,29 +234,36 @@ class Kernel:
 def _caller(
     kernel: Kernel, general: Callable[..., Any], ndim: int, outputs: Sequence[tuple[tuple[int, ...], Any]]
 ) -> Callable[..., Any]:
-    """One sample at once, or else the general way.
+    """One sample at once, or else the general way; the one-sample form is loaded when it is first needed.
 
     Rows would make the one-sample form raise its TypeError, which costs more than a thousand samples: hence `ndim`.
     """
-    empty = np.empty
-    shape, dtype = outputs[0]
+    empty, single = np.empty, None
+    shapes, kinds = zip(*outputs, strict=True)
+    shape, kind = outputs[0]
 
     def one_output(*arrays: Any, out: Any = None, threads: int = 1) -> Any:
+        nonlocal single
         try:
             if arrays[0].ndim == ndim and threads == 1:
-                result = empty(shape, dtype) if out is None else out
-                if kernel.single(*arrays, result) == 0:
+                if single is None:
+                    single = kernel.single
+                result = empty(shape, kind) if out is None else out
+                if single(*arrays, result) == 0:
                     return result
         except (TypeError, AttributeError, IndexError):
             pass
         return general(arrays, out, threads)
 
     def several_outputs(*arrays: Any, out: Any = None, threads: int = 1) -> Any:
+        nonlocal single
         try:
             if arrays[0].ndim == ndim and threads == 1:
-                results = [empty(*each) for each in outputs] if out is None else out
-                if kernel.single(*arrays, *results) == 0:
-                    return tuple(results)
+                if single is None:
+                    single = kernel.single
+                results = tuple(map(empty, shapes, kinds) if out is None else out)
+                if single(*arrays, *results) == 0:
+                    return results
         except (TypeError, AttributeError, IndexError):
             pass
         return general(arrays, out, threads)
