@@ -26,6 +26,8 @@ __all__ = ["Arm", "IkCase", "IkNearest", "IkResult", "IkStatus", "Limits"]
 
 Array = NDArray[np.float64]
 Made = TypeVar("Made")
+CHUNK = 4096
+"""Rows that are looked at together, so that a batch takes no more memory than its result."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,9 +196,8 @@ class Arm:
             if inverse.poses:
                 check_pose(T, "T")  # names what is wrong with it
             raise
-        lost = status.tobytes() == inverse.nowhere if status.ndim == 1 else (status == UNREACHABLE).all(-1).any()
-        if lost and inverse.poses:
-            check_pose(T, "T")  # the kernel reaches nothing that is no pose
+        if inverse.poses and (status.ndim > 1 or status.tobytes() == inverse.nowhere):
+            _check_lost(T, status)
         if inverse.exact:
             return tuple.__new__(IkResult, (q, status, inverse.names))
         bounds, goal = (self.limits.lower, self.limits.upper), np.asarray(target, dtype=float)
@@ -345,3 +346,13 @@ def _points(T: ArrayLike) -> Array:
     """Points (..., 3), or the places of poses."""
     target = real_array("T", T)
     return target if target.shape[-1:] == (3,) else check_pose(target, "T")[..., :3, 3]
+
+
+def _check_lost(T: ArrayLike, status: NDArray[np.int8]) -> None:
+    """Refuse what is no pose: the kernel reaches none of it, so only targets without a reached branch are looked at."""
+    k = status.shape[-1]
+    poses, rows = np.asarray(T, dtype=float).reshape(-1, 4, 4), status.reshape(-1, k)
+    for first in range(0, len(rows), CHUNK):
+        lost = (rows[first : first + CHUNK] == UNREACHABLE).all(-1)
+        if lost.any():
+            check_pose(poses[first : first + CHUNK][lost], "T")

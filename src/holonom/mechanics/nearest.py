@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +22,8 @@ if TYPE_CHECKING:
 __all__ = ["Nearest", "joint_vectors"]
 
 Array = NDArray[np.float64]
+CHUNK = 1024
+"""Rows that are solved together, so that a batch takes little more memory than its result."""
 FREE = 1e-8
 """Singular value of the Jacobian below which a combination of joints moves nothing."""
 
@@ -85,22 +89,41 @@ class Nearest:
     def _general(self, T: ArrayLike, q0: ArrayLike, joints: Array) -> IkNearest:
         """Rows of targets and of joints, which broadcast."""
         reference = joint_vectors("q0", q0, self._arm.limits.names)
-        found = self._arm.ik(T)
-        k, n = found.q.shape[-2:]
+        target = self._targets(T)
+        axes = 1 if target.shape[-1] == 3 else 2
         try:
-            lead = np.broadcast_shapes(found.q.shape[:-2], reference.shape[:-1])
+            lead = np.broadcast_shapes(target.shape[:-axes], reference.shape[:-1])
         except ValueError:
             raise ShapeError(
-                f"q0 {reference.shape} does not go with T: {found.q.shape[:-2]} targets; give one q0, or one for each"
+                f"q0 {reference.shape} does not go with T: {target.shape[:-axes]} targets; give one q0, or one for each"
             ) from None
-        branches = _rows(found.q, (*lead, k, n)).reshape(-1, k, n)
-        status = _rows(found.status, (*lead, k)).reshape(-1, k)
-        start = _rows(reference, (*lead, n)).reshape(-1, n)
-        q = np.empty(start.shape)
-        taken, number = np.empty(len(start), np.int8), np.empty(len(start), np.int64)
+        targets = _rows(target, lead, target.shape[-axes:])
+        references = _rows(reference, lead, reference.shape[-1:])
+        q, count = np.empty((*lead, reference.shape[-1])), len(references)
+        taken, number = np.empty(lead, np.int8), np.empty(lead, np.int64)
+        flat = q.reshape(count, -1), taken.reshape(count), number.reshape(count)
+        for first in range(0, count, CHUNK):
+            part = slice(first, first + CHUNK)
+            self._choose(targets[part], references[part], joints, [a[part] for a in flat])
+        return IkNearest(q, taken[()], number[()], self._names)
+
+    def _choose(self, T: Array, reference: Array, joints: Array, found: Sequence[NDArray[Any]]) -> None:
+        """Write joints, status and number of the nearest branch for rows."""
+        branches, status = self._arm.ik(T)[:2]
+        start = np.require(reference, requirements=("C", "W"))
+        q, taken, number = found
         nearest_of_rows(branches, status, start, joints, q, taken, number)
-        kept = self._kept(T, q.reshape(*lead, n), reference, (taken == IkStatus.SINGULAR).reshape(lead))
-        return IkNearest(kept, taken.reshape(lead)[()], number.reshape(lead)[()], self._names)
+        q[:] = self._kept(T, q, reference, taken == IkStatus.SINGULAR)
+
+    def _targets(self, T: ArrayLike) -> Array:
+        """Targets of the right shape; whether they are poses is for `Arm.ik` to see."""
+        try:
+            target = real_array("T", T)
+        except ShapeError:
+            return check_pose(T, "T")
+        if target.shape[-2:] == (4, 4) or (self._ndim == 1 and target.shape[-1:] == (3,)):
+            return target
+        return check_pose(target, "T")
 
     def _kept(self, T: ArrayLike, q: Array, reference: Array, singular: NDArray[np.bool_]) -> Array:
         """Singular branches with their free joints as in the reference, where that holds the target."""
@@ -123,6 +146,9 @@ class Nearest:
         return np.where((singular & inside & (missed < FREE))[..., None], moved, q)
 
 
-def _rows(a: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """An array broadcast, as compiled code takes it."""
-    return np.require(np.broadcast_to(a, shape) if a.shape != shape else a, requirements=("C", "W"))
+def _rows(a: NDArray[Any], lead: tuple[int, ...], shape: tuple[int, ...]) -> NDArray[Any]:
+    """An array broadcast to rows (N, ...), without a copy if it is one sample or all of them."""
+    count = math.prod(lead)
+    if a.shape == shape:
+        return np.broadcast_to(a, (count, *shape))
+    return np.broadcast_to(a, (*lead, *shape)).reshape(count, *shape)
