@@ -367,8 +367,11 @@ def test_bad_input(puma: Arm) -> None:
         simulate(puma, None, Q0, STILL, 1.0, every=0)
     with pytest.raises(ShapeError, match=r"q0 has shape \(5,\); \(6,\)"):
         simulate(puma, None, Q0[:5], STILL, 1.0)
-    with pytest.raises(ShapeError, match="q0 holds nan"):
-        simulate(puma, None, Q0 * np.nan, STILL, 1.0)
+    spoilt = np.where(np.arange(6) == 4, np.nan, Q0)
+    with pytest.raises(ShapeError, match=r"q0\[4\] is nan; finite"):
+        simulate(puma, None, spoilt, STILL, 1.0)
+    with pytest.raises(ShapeError, match=r"q0\[4\] is nan in row 1; finite"):
+        simulate_ensemble(puma, LAW, np.stack([Q0, spoilt]), STILL, 1.0)
     with pytest.raises(ShapeError, match=r"controller's torque at t = 0 s has shape \(5,\)"):
         simulate(puma, lambda t, q, qd: q[:5], Q0, STILL, 1.0)
     with pytest.raises(InputError, match="wrench_frame"):

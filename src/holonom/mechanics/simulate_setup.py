@@ -151,7 +151,9 @@ def rows_of(name: str, value: ArrayLike, width: int) -> Array:
     if table.ndim not in (1, 2) or table.shape[-1] != width:
         raise ShapeError(f"{name} has shape {table.shape}; ({width},) or (K, {width}) is needed")
     if not np.isfinite(table).all():
-        raise ShapeError(f"{name} holds {table[~np.isfinite(table)][0]}; finite numbers are needed")
+        *row, k = (int(i) for i in np.argwhere(~np.isfinite(table))[0])
+        place = f" in row {row[0]}" if row else ""
+        raise ShapeError(f"{name}[{k}] is {table[(*row, k)]}{place}; finite numbers are needed")
     return np.atleast_2d(table)
 
 

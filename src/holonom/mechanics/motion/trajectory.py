@@ -92,7 +92,8 @@ def joint_vector(name: str, value: ArrayLike, n: int) -> Array:
     if vector.shape != (n,):
         raise ShapeError(f"{name} has shape {vector.shape}; the arm has {n} joints, give shape ({n},)")
     if not np.isfinite(vector).all():
-        raise ShapeError(f"{name} = {vector}; give finite joint positions")
+        k = int(np.argmin(np.isfinite(vector)))
+        raise ShapeError(f"{name}[{k}] is {vector[k]} of {vector}; give finite joint positions")
     return vector
 
 
