@@ -1,6 +1,8 @@
 """A batch takes the memory of its result and a constant, whatever its size; all verbs refuse the same bad arrays."""
 
+import copy
 import gc
+import pickle
 import tracemalloc
 
 import numpy as np
@@ -109,3 +111,11 @@ def test_a_complex_pose_is_none():
     for verb in (ARM.ik, lambda T: ARM.ik_nearest(T, np.zeros(6)), lambda T: solve_inverse(ARM, T)):
         with pytest.raises(NotAPose, match="complex"):
             verb(T)
+
+
+def test_an_arm_is_copied_and_sent_as_its_model():
+    q = np.full(6, 0.3)
+    ARM.ik_nearest(ARM.fk(q), q)
+    for arm in (copy.deepcopy(ARM), pickle.loads(pickle.dumps(ARM))):
+        assert arm.model == ARM.model
+        np.testing.assert_array_equal(arm.fk(q), ARM.fk(q))

@@ -319,6 +319,9 @@ def test_nearest_names_what_is_wrong_with_the_start():
         arm.ik_nearest(T, q0 + 0j)
     with pytest.raises(ShapeError, match="not a number"):
         arm.ik_nearest(T, ["a"] * 6)
+    for shape in ((2, 8), (8, 2), (1, 16), (16, 1), (16,), (3,), (3, 4)):
+        with pytest.raises(NotAPose, match="shape"):
+            arm.ik_nearest(np.resize(T, shape), q0)
     with pytest.raises(ShapeError, match="does not go with T"):
         arm.ik_nearest(np.array([T] * 3), [q0] * 2)
     for weights in ([1.0], -np.ones(6), np.full(6, np.nan), np.full(6, np.inf)):

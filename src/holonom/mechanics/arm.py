@@ -68,6 +68,9 @@ class Arm:
         self.calls = Calls(self.kernel)
         self._made: dict[Hashable, Any] = {}
 
+    def __reduce__(self) -> tuple[type[Arm], tuple[ArmModel]]:
+        return Arm, (self.model,)  # a copy, or another process, compiles for itself
+
     def __repr__(self) -> str:
         return f"Arm({self.model.name!r}, n={self.n})"
 

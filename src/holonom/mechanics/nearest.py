@@ -56,7 +56,7 @@ class Nearest:
         self._arm, self._names, self._rows = arm, form.names, 3 if form.task == "position" else 6
         self._joints = np.array([limits.lower, limits.upper, turns, np.ones(arm.n)])
         self._ndim = 1 if form.task == "position" else 2
-        self._address = arm.kernel("inverse_geometry").address if form.exact else 0  # 0: branches are to be refined
+        self._kernel = arm.kernel("inverse_geometry") if form.exact else None  # else branches are to be refined
         # What a call returns for a branch and its status, made once.
         self._branches = [np.int64(k) for k in range(len(form.names))]
         self._status = [np.int8(status) for status in IkStatus]
@@ -65,10 +65,10 @@ class Nearest:
         """Arguments, result and errors as for `Arm.ik_nearest`."""
         joints = self._joints if weights is None else self._weighted(weights)
         q = np.empty(joints.shape[1])
-        if not self._address or getattr(q0, "ndim", 0) != 1 or getattr(T, "ndim", 0) != self._ndim:
+        if self._kernel is None or getattr(q0, "ndim", 0) != 1 or getattr(T, "ndim", 0) != self._ndim:
             return self._general(T, q0, joints)
         try:
-            code = nearest_one(self._address, len(self._branches), T, q0, joints, q)  # type: ignore[arg-type]
+            code = nearest_one(self._kernel.address, len(self._branches), T, q0, joints, q)  # type: ignore[arg-type]
         except TypeError:  # other numbers than floats, other layouts
             code = -1
         if code < 0:

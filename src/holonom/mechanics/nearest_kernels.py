@@ -76,7 +76,8 @@ def nearest_one(address: int, count: int, target: Floats, reference: Floats, joi
     Four times the number of the branch, plus its status; -1 if something is not finite or of another shape.
     """
     n = q.shape[0]
-    if target.size != (16 if target.ndim == 2 else 3) or target.shape[0] > 4 or reference.shape[0] != n:
+    rows = 4 if target.ndim == 2 else 3
+    if target.shape[0] != rows or target.size != (16 if target.ndim == 2 else 3) or reference.shape[0] != n:
         return -1
     total = 0.0
     for x in target.flat:
