@@ -20,7 +20,13 @@ def test_every_benchmark_runs(tmp_path, capsys):
         "forward kinematics",
         "inverse branches",
         "numerical inverse",
-        "one call",
+        "one call, arm.ik",
+        "one call, arm.ik_nearest",
+        "one call, solve_inverse",
+        "one call, forward_dynamics_derivatives",
+        "one call, joint_rates",
+        "one call, Puma, kernel.single",
+        "two threads",
         "six axes",
     ):
         assert verb in names

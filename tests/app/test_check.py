@@ -191,3 +191,38 @@ def test_elements_and_precision_points(tmp_path: Path) -> None:
     ]
     (found,) = taught(tmp_path, "MOVE a[1, 2]", locations.splitlines()[0])
     assert found.startswith(f"{file}:1: taught location 'a[1,2]': the tool cannot reach")
+
+
+@pytest.mark.parametrize(
+    ("name", "what"),
+    [
+        ("arm.urdf", "a file of type '.urdf'"),
+        ("notes.TXT", "a file of type '.TXT'"),
+        ("cell.json", "a file of type '.json'"),
+        ("program", "a file without an ending"),
+        ("", "a folder"),
+    ],
+)
+def test_a_file_of_another_type_is_refused_by_name(tmp_path, capsys, name, what):
+    path = tmp_path / name
+    if name:
+        path.write_text("<robot name='x'/>", encoding="utf-8")
+    assert main(["check", str(path)]) == 2
+    told = capsys.readouterr().err
+    assert f"{path}: {what}; holonom check takes a program (.arps) or a cell file (.toml)" in told
+    assert "Traceback" not in told
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "what"),
+    [
+        ("cell.toml", b"<robot name='x'/>", "not TOML"),
+        ("cell.toml", b"\x89PNG\r\n\x1a\n\xff", "not UTF-8"),
+        ("program.arps", b"\x89PNG\r\n\x1a\n\xff", "not a text in UTF-8"),
+        ("program.arps", b"<robot name='x'/>", "program.arps:1"),
+    ],
+)
+def test_something_else_under_a_right_ending_is_refused_too(tmp_path, capsys, name, text, what):
+    (tmp_path / name).write_bytes(text)
+    assert main(["check", str(tmp_path / name)]) == 2
+    assert what in capsys.readouterr().err

@@ -10,7 +10,7 @@ from peers import eaik_robot
 from scipy.spatial.transform import Rotation
 
 from holonom.errors import InputError, NotAPose, ShapeError
-from holonom.mechanics import IkCase, IkStatus, arm_from_dh, load_arm
+from holonom.mechanics import Arm, IkCase, IkStatus, arm_from_dh, load_arm
 from holonom.mechanics.closed_form import closed_form
 from holonom.mechanics.equations.general_arm import quartic_roots
 from holonom.model import DHRow, JointLimits, constant_transform
@@ -229,6 +229,119 @@ def test_axes_that_are_only_nearly_parallel_are_refined():
     assert np.where(reached, apart(arm.model, found.q, q0[:, None]), 9.0).min(-1).max() < 1e-6
 
 
+SPOILT = {
+    "scaled": lambda T: T * np.array([1.0 + 2e-6] * 3 + [1.0]),
+    "scaled much": lambda T: T * np.array([1.1] * 3 + [1.0]),
+    "one axis longer": lambda T: T * np.array([1.0, 1.0 + 4e-6, 1.0, 1.0]),
+    "sheared": lambda T: T @ (np.eye(4) + 2e-6 * np.eye(4, k=1) * [0, 1, 1, 0]),
+    "a mirror": lambda T: T * np.array([1.0, 1.0, -1.0, 1.0]),
+    "turned inside out": lambda T: T * np.array([-1.0, -1.0, -1.0, 1.0]),
+    "no rotation": lambda T: T * np.array([0.0, 0.0, 0.0, 1.0]),
+    "NaN": lambda T: T + np.nan * np.eye(4, k=3),
+    "infinite": lambda T: T + np.where(np.eye(4, k=3), np.inf, 0.0),
+    "NaN in the rotation": lambda T: np.where(np.eye(4), np.nan, T),
+    "bad last row": lambda T: T + 1e-9 * np.eye(4, k=-3),
+    "bad corner": lambda T: T * np.where(np.arange(16).reshape(4, 4) == 15, 1.0 + 1e-12, 1.0),
+    "NaN in the last row": lambda T: T + np.nan * np.eye(4, k=-3),
+    "complex": lambda T: T + 0j,
+}
+
+
+@pytest.mark.parametrize("spoil", SPOILT.values(), ids=SPOILT.keys())
+@pytest.mark.parametrize("name", ["puma560", "ur5e", "scara"])
+def test_what_is_no_pose_is_always_refused(name, spoil):
+    """Reachable otherwise: the proof by forward kinematics alone would let a little through."""
+    arm = load_arm(name)
+    assert arm.closed_form.task == "pose"
+    q0 = np.clip(np.full(arm.n, 0.4), arm.limits.lower, arm.limits.upper)
+    T = arm.fk(q0)
+    bad = spoil(T)
+    for asked in (bad, bad.tolist(), np.asfortranarray(bad), np.array([T, bad, T]), np.array([bad])):
+        with pytest.raises(NotAPose):
+            arm.ik(asked)
+        with pytest.raises(NotAPose):
+            arm.ik_nearest(asked, q0)
+    fine = T * np.array([1.0 + 4e-7, 1.0, 1.0, 1.0])
+    assert (arm.ik(fine).status != IkStatus.UNREACHABLE).any()
+
+
+def nearest_by_hand(arm, T, q0, weights):
+    """As `Arm.ik_nearest` says it, with NumPy, free joints aside."""
+    found = arm.ik(T)
+    turns = np.array([2.0 * np.pi * (joint.kind == "revolute") for joint in arm.model.joints])
+    turned = found.q + turns * np.round((q0[..., None, :] - found.q) / (2.0 * np.pi))
+    q = np.where((turned >= arm.limits.lower) & (turned <= arm.limits.upper), turned, found.q)
+    rank = np.array([0.0, 2e6, 1e6, 0.0])[found.status]
+    branch = np.argmin((weights * np.abs(q - q0[..., None, :])).max(-1) + rank, axis=-1)
+    taken = np.take_along_axis(q, branch[..., None, None], -2)[..., 0, :]
+    return taken, np.take_along_axis(found.status, branch[..., None], -1)[..., 0], branch
+
+
+@pytest.mark.parametrize("name", ["puma560", "ur5e", "stanford", "scara", "three_joint"])
+def test_the_nearest_branch_is_the_one_that_is_defined_so(name):
+    arm = load_arm(name)
+    rng = np.random.default_rng(18)
+    low, high = np.clip(arm.limits.lower, -7.0, None), np.clip(arm.limits.upper, None, 7.0)
+    T = arm.fk(rng.uniform(low, high, (400, arm.n)))
+    T[::9, :3, 3] *= 1.3  # some out of reach
+    q0 = rng.uniform(2.0 * low, 2.0 * high, (400, arm.n))  # some outside the limits, whole turns away
+    weights = rng.uniform(0.0, 2.0, arm.n)
+    near = arm.ik_nearest(T, q0, weights=weights)
+    q, status, branch = nearest_by_hand(arm, T, q0, weights)
+    assert len(set(branch.tolist())) == len(near.names)
+    np.testing.assert_array_equal(near.branch, branch)
+    np.testing.assert_array_equal(near.status, status)
+    free = status == IkStatus.SINGULAR
+    np.testing.assert_allclose(near.q[~free], q[~free], rtol=0.0, atol=1e-15)
+    for k in range(60):
+        one = arm.ik_nearest(T[k], q0[k], weights=weights)
+        np.testing.assert_allclose(one.q, near.q[k], rtol=0.0, atol=1e-9)
+        assert (one.status, one.branch) == (near.status[k], near.branch[k])
+        assert one.status.dtype == np.int8
+    shared = arm.ik_nearest(T[0], q0[:5])
+    np.testing.assert_array_equal(shared.q, arm.ik_nearest(np.array([T[0]] * 5), q0[:5]).q)
+    one_start = arm.ik_nearest(T[:6].reshape(2, 3, 4, 4), q0[0])
+    assert one_start.q.shape == (2, 3, arm.n)
+    assert one_start.status.shape == one_start.branch.shape == (2, 3)
+
+
+def test_nearest_names_what_is_wrong_with_the_start():
+    arm = load_arm("puma560")
+    q0 = np.array([0.2, 0.7, -2.9, 0.3, 0.6, -0.4])
+    T = arm.fk(q0)
+    spoilt = np.where(np.arange(6) == 3, np.nan, q0)
+    for start in (spoilt, spoilt.tolist()):
+        with pytest.raises(ShapeError, match=rf"q0\[3\] \(joint '{arm.limits.names[3]}'\) is nan; finite"):
+            arm.ik_nearest(T, start)
+    with pytest.raises(ShapeError, match=r"q0\[3\] .* is nan in row \(1,\)"):
+        arm.ik_nearest(T, [q0, spoilt])
+    with pytest.raises(ShapeError, match="q0 holds complex"):
+        arm.ik_nearest(T, q0 + 0j)
+    with pytest.raises(ShapeError, match="not a number"):
+        arm.ik_nearest(T, ["a"] * 6)
+    for shape in ((2, 8), (8, 2), (1, 16), (16, 1), (16,), (3,), (3, 4)):
+        with pytest.raises(NotAPose, match="shape"):
+            arm.ik_nearest(np.resize(T, shape), q0)
+    with pytest.raises(ShapeError, match="does not go with T"):
+        arm.ik_nearest(np.array([T] * 3), [q0] * 2)
+    for weights in ([1.0], -np.ones(6), np.full(6, np.nan), np.full(6, np.inf)):
+        with pytest.raises(ShapeError, match="weights must be 6"):
+            arm.ik_nearest(T, q0, weights=weights)
+
+
+def test_a_free_joint_of_an_arm_that_places_points_stays_where_it_was():
+    arm = three_joint()
+    q0 = np.array([0.7, 1.2, 0.6])
+    above = np.array([0.0, 0.0, 0.55])  # on the axis of joint 1
+    for start in (q0, np.array([q0, q0])):
+        near = arm.ik_nearest(above, start)
+        assert (near.status == IkStatus.SINGULAR).all()
+        np.testing.assert_allclose(near.q[..., 0], 0.7, atol=1e-9)
+        np.testing.assert_allclose(
+            arm.fk(near.q)[..., :3, 3], np.broadcast_to(above, (*start.shape[:-1], 3)), atol=1e-8
+        )
+
+
 def test_nearest_counts_weights_and_leaves_slides_alone():
     arm = load_arm("stanford")
     q0 = np.array([0.2, 0.8, 0.4, 0.3, 0.6, -0.4])
@@ -271,15 +384,73 @@ def test_points_are_checked():
         arm.ik([np.nan, 0.0, 0.0])
 
 
+def determinants(model, q):
+    """Of the Jacobian of the tool's place, of a three-joint arm."""
+    return np.linalg.det(Arm(model).jacobian(q)[..., :3, :])
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_names_of_the_quartic_say_the_sign_of_the_determinant_and_the_order_of_q3(seed):
+    model = family_model("any three joints", seed)
+    arm, form = Arm(model), form_of(model)
+    q0 = np.random.default_rng(seed).uniform(-3, 3, (1000, 3))
+    found = arm.ik(arm.fk(q0)[:, :3, 3])
+    assert found.names == ("det+ first", "det+ second", "det- first", "det- second")
+    reached, determinant = found.status != IkStatus.UNREACHABLE, determinants(model, found.q)
+    simple = np.abs(np.where(reached, determinant, 1.0)).min(-1) > 1e-4
+    assert simple.mean() > 0.95
+    reached, determinant, q = reached[simple], determinant[simple], found.q[simple]
+    assert (determinant[:, :2][reached[:, :2]] > 0.0).all()
+    assert (determinant[:, 2:][reached[:, 2:]] < 0.0).all()
+    np.testing.assert_array_equal(reached[:, :2], reached[:, 2:])  # as many of the one as of the other
+    assert (reached[:, 0] | ~reached[:, 1]).all()  # the first before the second
+    assert 0 < reached[:, 1].sum() < len(reached)
+    third = (q[:, :, 2] - form.chain.reference[2] + np.pi) % (2 * np.pi) - np.pi
+    four = reached.all(-1)
+    assert (third[four, 0] < third[four, 1]).all()
+    assert (third[four, 2] < third[four, 3]).all()
+    twice = apart(model, q[:, :, None], q[:, None]) + np.where(np.eye(4, dtype=bool), 9.0, 0.0)
+    assert twice[four].min() > 1e-6  # no root is found twice
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_names_of_the_quartic_last(seed):
+    """A branch keeps its sign up to a singularity, its number while none is born, ends or passes the cut."""
+    model = family_model("any three joints", seed)
+    arm = Arm(model)
+    rng = np.random.default_rng(seed)
+    way = rng.uniform(-2, 2, 3) + np.sin(np.linspace(0.0, 5.0, 4000)[:, None] * rng.uniform(0.5, 1.5, 3)) * 1.5
+    found = arm.ik(arm.fk(way)[:, :3, 3])
+    reached = found.status != IkStatus.UNREACHABLE
+    at = np.where(reached, apart(model, found.q, way[:, None]), 9.0).argmin(-1)
+    determinant = determinants(model, way)
+    clear = np.abs(determinant) > 1e-4
+    np.testing.assert_array_equal((at < 2)[clear], determinant[clear] > 0.0)
+    steps = np.flatnonzero(at[1:] != at[:-1])
+    assert 0 < len(steps) < 40
+    third = (found.q[..., 2] - form_of(model).chain.reference[2] + np.pi) % (2 * np.pi) - np.pi
+    for i in steps:
+        born = (reached[i] != reached[i + 1]).any()
+        singular = determinant[i] * determinant[i + 1] <= 0.0 or not clear[i] or not clear[i + 1]
+        cut = (np.abs(third[i, reached[i]]) > np.pi - 0.05).any()
+        assert born or singular or cut
+
+
+def real_roots(*coefficients):
+    return np.sort([root for root, imaginary in quartic_roots(*coefficients) if imaginary == 0.0])
+
+
 def test_quartic_roots():
     rng = np.random.default_rng(16)
     for _ in range(100):
         roots = np.sort(rng.uniform(-3, 3, 4))
         apart_ = np.diff(roots).min()
-        found = np.sort(quartic_roots(*np.poly(roots)[1:].tolist()))
+        found = np.sort([root for root, _ in quartic_roots(*np.poly(roots)[1:].tolist())])
         np.testing.assert_allclose(found, roots, atol=1e-12 / min(apart_, 1.0) ** 3)
-    np.testing.assert_allclose(np.sort(quartic_roots(0.0, -5.0, 0.0, 4.0)), [-2.0, -1.0, 1.0, 2.0], atol=1e-14)
-    np.testing.assert_allclose(np.sort(quartic_roots(0.0, 0.0, 0.0, -1.0))[[0, 3]], [-1.0, 1.0], atol=1e-14)
+    np.testing.assert_allclose(real_roots(0.0, -5.0, 0.0, 4.0), [-2.0, -1.0, 1.0, 2.0], atol=1e-14)
+    np.testing.assert_allclose(real_roots(0.0, 0.0, 0.0, -1.0), [-1.0, 1.0], atol=1e-14)
+    pair = [found for found in quartic_roots(*np.poly([1.0, 2.0, -1.0 + 2.0j, -1.0 - 2.0j]).real[1:]) if found[1] > 0.0]
+    np.testing.assert_allclose(pair, [(-1.0, 2.0)] * 2, atol=1e-12)
 
 
 @pytest.mark.oracle

@@ -174,6 +174,42 @@ def test_excitation_keeps_the_limits_and_is_at_rest_at_both_ends():
     np.testing.assert_allclose(np.gradient(qd, t, axis=0)[1:-1], qdd[1:-1], atol=1e-2)
 
 
+def with_torques(share):
+    """A Puma of weaker motors."""
+    model = load_arm("puma560").model
+    joints = tuple(
+        dataclasses.replace(j, limits=dataclasses.replace(j.limits, torque=share * j.limits.torque))
+        for j in model.joints
+    )
+    return Arm(dataclasses.replace(model, joints=joints))
+
+
+def test_excitation_keeps_the_torque_limits():
+    _, q, qd, qdd = excited()
+    strong, weak = load_arm("puma560"), with_torques(0.45)
+    assert (np.abs(strong.inverse_dynamics(q, qd, qdd)) <= strong.limits.torque).all()
+    free = dataclasses.replace(
+        weak.model,
+        joints=tuple(
+            dataclasses.replace(j, limits=dataclasses.replace(j.limits, torque=np.inf)) for j in weak.model.joints
+        ),
+    )
+    unheeding, heeding = (excitation(arm, trials=8, dt=0.004, seed=3).trajectory for arm in (Arm(free), weak))
+    peak = {
+        name: (np.abs(strong.inverse_dynamics(m.q, m.qd, m.qdd)) / weak.limits.torque).max()
+        for name, m in (("unheeding", unheeding), ("heeding", heeding))
+    }
+    assert peak["unheeding"] > 1.05
+    assert 0.8 < peak["heeding"] <= 1.0
+    half = excitation(weak, trials=8, dt=0.004, seed=3, use=0.9).trajectory
+    assert (np.abs(weak.inverse_dynamics(half.q, half.qd, half.qdd)) <= 0.9 * weak.limits.torque).all()
+
+
+def test_an_arm_that_cannot_hold_itself_is_not_excited():
+    with pytest.raises(InputError, match="none of 5 motions keeps the torque limits of arm 'puma560'"):
+        excitation(with_torques(1e-3), trials=5)
+
+
 def test_excitation_improves_on_the_first_draw_and_repeats_itself():
     arm = Arm(with_drives(planar((0.0, -9.81, 0.0)), 3))
     first, best, again = (excitation(arm, trials=trials, dt=0.01) for trials in (1, 60, 60))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 import pytest
 from arms import random_model, random_pose, random_tree
@@ -132,11 +130,18 @@ def test_threads_and_shape_change_nothing(panda):
     one, two = solve_inverse(panda, T), solve_inverse(panda, T, threads=2)
     assert one.q.shape == (15, 10, 7)
     assert one.status.shape == one.residual.shape == one.iterations.shape == (15, 10)
-    for a, b in zip(dataclasses.astuple(one), dataclasses.astuple(two), strict=True):
+    for a, b in zip(one, two, strict=True):
         np.testing.assert_array_equal(a, b)
     single = solve_inverse(panda, T[3, 4])
     np.testing.assert_array_equal(single.q, one.q[3, 4])
     assert single.status.shape == ()
+    starts = inside(panda, rng.random((15, 10, 7)), margin=0.1)
+    started, alone = solve_inverse(panda, T, starts, threads=2), solve_inverse(panda, T[3, 4], starts[3, 4])
+    for a, b in zip(started, alone, strict=True):
+        np.testing.assert_array_equal(a[3, 4], b)
+    posture = {"criterion": "posture", "preferred": starts[0, 0]}
+    for a, b in zip(solve_inverse(panda, T[0], **posture), solve_inverse(panda, T[0, 5], **posture), strict=True):
+        np.testing.assert_array_equal(a[5], b)
     assert solve_inverse(panda, np.empty((0, 4, 4))).q.shape == (0, 7)
 
 
@@ -324,10 +329,23 @@ def test_bad_input_is_named(panda):
     T, q = panda.fk(inside(panda, np.full(7, 0.5))), inside(panda, np.full(7, 0.5))
     with pytest.raises(NotAPose, match="rotation"):
         solve_inverse(panda, np.diag([1.0, 1.0, 1.1, 1.0]))
-    with pytest.raises(ShapeError, match="q0 must hold 7 joints"):
+    with pytest.raises(ShapeError, match=r"q0 must be of shape \(\.\.\., 7\)"):
         solve_inverse(panda, T, [0.0])
-    with pytest.raises(ShapeError, match="nan for joint"):
-        solve_inverse(panda, T, np.where(np.arange(7) == 2, np.nan, q))
+    spoilt = np.where(np.arange(7) == 2, np.nan, q)
+    for start in (spoilt, spoilt.tolist()):
+        with pytest.raises(ShapeError, match=rf"q0\[2\] \(joint '{panda.limits.names[2]}'\) is nan"):
+            solve_inverse(panda, T, start)
+    with pytest.raises(ShapeError, match=r"q0\[2\] .* is nan in row \(1,\)"):
+        solve_inverse(panda, T, [q, spoilt])
+    with pytest.raises(ShapeError, match="goes with the poses' \\(\\)"):
+        solve_inverse(panda, T, [q, q])
+    with pytest.raises(ShapeError, match="preferred"):
+        solve_inverse(panda, T, q, preferred=spoilt, criterion="posture")
+    with pytest.raises(ShapeError, match="q0 holds complex numbers"):
+        solve_inverse(panda, T, q + 0j)
+    for threads in (0, -1, 1.5, "two"):
+        with pytest.raises(InputError, match="threads is"):
+            solve_inverse(panda, T, q, threads=threads)
     outside = np.where(np.arange(7) == 3, 1.0, q)
     with pytest.raises(OutOfLimits, match=f"{panda.limits.names[3]}' at 1; .*-3.07"):
         solve_inverse(panda, T, outside)

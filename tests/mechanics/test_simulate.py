@@ -15,7 +15,7 @@ from holonom.mechanics.equations.inertia import fixed_to_body, from_body
 from holonom.mechanics.equations.newton_euler import inverse_dynamics
 from holonom.mechanics.motion import plan_joint
 from holonom.mechanics.simulate import METHODS, ComputedTorque, PDGravity, simulate, simulate_ensemble
-from holonom.model import ArmModel, Body, Joint
+from holonom.model import ArmModel, Body, Friction, Joint
 
 Q0 = np.array([0.1, 0.7, -2.8, 0.2, 0.5, 0.1])
 STILL = np.zeros(6)
@@ -90,7 +90,7 @@ def test_the_closed_loop_is_the_law_before_the_varied_arm(seed: int) -> None:
     part = {"gains": rng.uniform(1, 9, 2 * n), "masses": rng.uniform(0.5, 2, 5), "wrench": rng.uniform(-3, 3, 6),
             "payload": np.array([1.2, 0.1, -0.2, 0.3])}  # fmt: skip
     options = {"law": "computed_torque", "friction": False, "wrench_frame": "tool"}
-    qdd, tau = closed_loop(model, nominal, options, (q, qd), reference, part)
+    qdd, tau = closed_loop(model, nominal, options, (q, qd), reference, part, np.sign(qd))
 
     kp, kd = part["gains"][:n], part["gains"][n:]
     u = reference[2 * n :] + kd * (reference[n : 2 * n] - qd) + kp * (reference[:n] - q)
@@ -110,11 +110,11 @@ def test_the_closed_loop_is_the_law_before_the_varied_arm(seed: int) -> None:
 def test_compiled_equals_float(puma: Arm) -> None:
     rng = np.random.default_rng(0)
     options = {"law": "computed_torque", "varied": ("payload",), "friction": True, "wrench_frame": None}
-    q, qd, reference, parameters = (rng.uniform(-1, 1, k) for k in (6, 6, 18, 16))
+    q, qd, slip, reference, parameters = (rng.uniform(-1, 1, k) for k in (6, 6, 6, 18, 16))
     part = {"gains": parameters[:12], "payload": parameters[12:]}
     bodies = [from_body(body) for body in puma.model.bodies or ()]
-    exact = closed_loop(puma.model, bodies, options, (q, qd), reference, part)
-    found = puma.kernel("closed_loop", **options)(q, qd, reference, parameters)
+    exact = closed_loop(puma.model, bodies, options, (q, qd), reference, part, slip)
+    found = puma.kernel("closed_loop", **options)(q, qd, slip, reference, parameters)
     for a, b in zip(found, exact, strict=True):
         np.testing.assert_allclose(a, b, rtol=1e-9)
 
@@ -190,7 +190,9 @@ def test_masses_friction_and_starts_vary(small: Arm) -> None:
     arm = Arm(dataclasses.replace(small.model, joints=joints))
     masses, scale = np.array([[1.0, 1.0, 1.0], [2.0, 1.0, 0.5]]), np.array([[1.0] * 3, [0.0, 2.0, 3.0]])
     starts = np.array([[0.1, 0.2, 0.3], [-0.2, 0.1, 0.0]])
-    many = simulate_ensemble(arm, None, starts, np.zeros(3), 0.2, masses=masses, friction_scale=scale)
+    speed = np.array([0.1, 1.0, -0.2])  # joint 2, which has Coulomb friction, does not stop
+    many = simulate_ensemble(arm, None, starts, speed, 0.2, masses=masses, friction_scale=scale)
+    assert (many.qd[:, :, 1] > 0.0).all()
     for k in range(2):
         bodies = tuple(
             Body(m * b.mass, b.com, tuple(m * x for x in b.inertia))  # type: ignore[arg-type]
@@ -203,15 +205,13 @@ def test_masses_friction_and_starts_vary(small: Arm) -> None:
             for j, f, s in zip(joints, _frictions(), scale[k], strict=True)
         )
         alone = Arm(dataclasses.replace(arm.model, bodies=bodies, joints=changed, name=f"varied{k}"))
-        x, v, dt = starts[k], np.zeros(3), 1e-3
+        x, v, dt = starts[k], speed, 1e-3
         for row in range(201):
             np.testing.assert_allclose(many.q[k, row], x, atol=1e-9)
             x, v = _rk4(alone, x, v, dt)
 
 
 def _frictions():
-    from holonom.model import Friction
-
     return [Friction(0.5, 0.0, 0.0), Friction(0.2, 0.01, 0.02), Friction(0.1, 0.0, 0.0)]
 
 
@@ -230,6 +230,119 @@ def _rk4(arm: Arm, x: np.ndarray, v: np.ndarray, dt: float) -> tuple[np.ndarray,
     d = rate(y + dt * c)
     y = y + dt / 6.0 * (a + 2.0 * b + 2.0 * c + d)
     return y[:3], y[3:]
+
+
+def rough_arm(gravity: tuple[float, float, float] = (0.0, 0.0, 0.0), ratio: float = 1.0) -> Arm:
+    """A Puma without gravity whose joints have nothing but Coulomb friction, of another torque each way."""
+    model = load_arm("puma560").model
+    torque = [6.0, 9.0, 5.0, 1.5, 1.2, 1.0]
+    joints = tuple(
+        dataclasses.replace(j, friction=Friction(0.0, f, 1.3 * f, ratio, 0.05 if ratio > 1.0 else 0.0))
+        for j, f in zip(model.joints, torque, strict=True)
+    )
+    return Arm(dataclasses.replace(model, joints=joints, gravity=gravity, name="rough"))
+
+
+METHOD = pytest.mark.parametrize("method", list(METHODS))
+
+
+@METHOD
+@pytest.mark.parametrize("seed", range(4))
+def test_what_is_driven_below_its_breakaway_torque_stays_where_it_is(seed: int, method: str) -> None:
+    """All joints at once, under gravity, each near its own limit: not an ulp of motion; a little more, and it goes."""
+    arm = rough_arm((0.0, 0.0, -9.81))
+    rng = np.random.default_rng(seed)
+    q = rng.uniform(-1.0, 1.0, 6)
+    forward = np.array([j.friction.coulomb_positive for j in arm.model.joints])  # type: ignore[union-attr]
+    part = rng.choice([-1.3, 1.0], 6)
+    hold = arm.gravity(q) + 0.999 * part * forward
+    still = simulate(arm, lambda t, *_: hold, q, STILL, 0.1, method=method)
+    np.testing.assert_array_equal(still.q, np.broadcast_to(q, still.q.shape))
+    assert not still.qd.any()
+    k = seed
+    more = hold + 0.002 * part * forward * (np.arange(6) == k)
+    moving = simulate(arm, lambda t, *_: more, q, STILL, 0.1, method=method)
+    assert np.sign(moving.qd[-1, k]) == np.sign(part[k])
+    others = np.arange(6) != k
+    np.testing.assert_array_equal(moving.q[1, others], q[others])
+
+
+@METHOD
+@pytest.mark.parametrize("ratio", [1.0, 1.5])
+def test_coulomb_friction_never_gives_energy_and_brings_all_to_rest(ratio: float, method: str) -> None:
+    arm = rough_arm(ratio=ratio)
+    speeds = np.random.default_rng(5).uniform(-1.5, 1.5, (8, 6))
+    runs = simulate_ensemble(arm, None, Q0, speeds, 2.0, method=method)
+    for q, qd in zip(runs.q, runs.qd, strict=True):
+        E = 0.5 * np.einsum("ti,tij,tj->t", qd, arm.mass_matrix(q), qd)
+        assert np.diff(E).max() <= (1e-9 if method == "rk4" else 2e-3) * E[0]
+        assert E[0] > 1.0
+        assert E[-1] == 0.0  # not small: zero
+        stopped = int(np.argmax(E == 0.0))
+        np.testing.assert_array_equal(q[stopped:], np.broadcast_to(q[-1], q[stopped:].shape))
+
+
+def test_a_joint_stops_where_mechanics_says() -> None:
+    """I qdd = -F: the way is I v^2 / (2 F), the time I v / F, whatever the step."""
+    arm = rough_arm()
+    q, axis = Q0, 5
+    inertia = arm.mass_matrix(q)[axis, axis]
+    lock = np.where(np.arange(6) == axis, 1.0, 1e6)  # the other joints do not slip
+    v = 3.0 * (np.arange(6) == axis)
+    for dt in (1e-2, 1.3e-3, 1e-4):
+        run = simulate_ensemble(arm, None, q, v, 1.0, dt=dt, friction_scale=lock)
+        assert run.q[0, -1, axis] - q[axis] == pytest.approx(inertia * 9.0 / 2.0, rel=1e-3)
+        assert run.t[np.argmax(run.qd[0, :, axis] == 0.0)] == pytest.approx(3.0 * inertia, abs=1.01 * dt)
+        assert not run.qd[0, :, :axis].any()
+
+
+def test_a_joint_that_turns_back_does_so_at_first_order() -> None:
+    arm = rough_arm((0.0, 0.0, -9.81))
+    tau = arm.gravity(Q0) + np.array([0.0, -60.0, 20.0, 0.0, 8.0, 0.0])
+    v = np.array([0.3, 0.5, -0.4, 0.2, -0.3, 0.1])
+    ends = [simulate(arm, lambda t, *_: tau, Q0, v, 0.2, dt=dt).q[-1] for dt in (8e-4, 4e-4, 2e-4, 2.5e-5)]
+    errors = [np.abs(end - ends[-1]).max() for end in ends[:-1]]
+    assert errors[0] < 2e-3
+    assert errors[2] < 0.5 * errors[0]
+
+
+def test_one_arm_and_each_of_an_ensemble_stick_alike() -> None:
+    arm = rough_arm((0.0, 0.0, -9.81), ratio=1.4)
+    law = PDGravity(40.0, 3.0, Q0 + 0.1)
+    payload = np.linspace(0.0, 2.0, 70)
+    many = simulate_ensemble(arm, law, Q0, STILL, 1.0, payload=payload, threads=2, every=10)
+    for k in (0, 64, 69):
+        one = simulate(arm, law, Q0, STILL, 1.0, payload=payload[k], every=10)
+        np.testing.assert_allclose(many.q[k], one.q, rtol=0.0, atol=1e-9)
+        np.testing.assert_allclose(many.qd[k], one.qd, rtol=0.0, atol=1e-8)
+        assert not one.qd[-1].any()  # short of the reference, and standing there
+    at = [law.kp * (law.reference - q) - law.kd * qd + arm.gravity(q) for q, qd in zip(one.q, one.qd, strict=True)]
+    np.testing.assert_allclose(one.tau, at, atol=1e-9)
+
+    def python(t: float, q: np.ndarray, qd: np.ndarray) -> np.ndarray:
+        return law.kp * (law.reference - q) - law.kd * qd + arm.gravity(q)  # type: ignore[operator]
+
+    slow = simulate(arm, python, Q0, STILL, 1.0, payload=2.0, every=10)
+    np.testing.assert_allclose(slow.q, one.q, rtol=0.0, atol=1e-8)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_mimic_joints_share_what_holds_them(seed: int) -> None:
+    """A tree with a joint that follows another one: friction of both holds the one that leads."""
+    model = random_tree(seed, 5)
+    joints = tuple(dataclasses.replace(j, friction=Friction(0.0, 2.0, 3.0)) for j in model.joints)
+    arm = Arm(dataclasses.replace(model, joints=joints, name=f"rough{seed}"))
+    led = {j.mimic.joint: j.mimic.multiplier for j in joints if j.mimic is not None}
+    assert led
+    q = np.full(arm.n, 0.2)
+    for way in (1.0, -1.0):
+        own = 2.0 if way > 0.0 else 3.0
+        extra = [led.get(i, 0.0) * way for i in model.independent]
+        room = np.array([own + abs(m) * (2.0 if m > 0.0 else 3.0) for m in extra])
+        for share_, stays in ((0.999, True), (1.001, False)):
+            tau = arm.gravity(q) + way * share_ * room
+            run = simulate(arm, lambda t, *_, tau=tau: tau, q, np.zeros(arm.n), 0.01)
+            assert np.array_equal(run.q[-1], q) == stays
 
 
 def test_one_variation_that_diverges_leaves_the_others_alone(puma: Arm) -> None:
@@ -254,8 +367,11 @@ def test_bad_input(puma: Arm) -> None:
         simulate(puma, None, Q0, STILL, 1.0, every=0)
     with pytest.raises(ShapeError, match=r"q0 has shape \(5,\); \(6,\)"):
         simulate(puma, None, Q0[:5], STILL, 1.0)
-    with pytest.raises(ShapeError, match="q0 holds nan"):
-        simulate(puma, None, Q0 * np.nan, STILL, 1.0)
+    spoilt = np.where(np.arange(6) == 4, np.nan, Q0)
+    with pytest.raises(ShapeError, match=r"q0\[4\] is nan; finite"):
+        simulate(puma, None, spoilt, STILL, 1.0)
+    with pytest.raises(ShapeError, match=r"q0\[4\] is nan in row 1; finite"):
+        simulate_ensemble(puma, LAW, np.stack([Q0, spoilt]), STILL, 1.0)
     with pytest.raises(ShapeError, match=r"controller's torque at t = 0 s has shape \(5,\)"):
         simulate(puma, lambda t, q, qd: q[:5], Q0, STILL, 1.0)
     with pytest.raises(InputError, match="wrench_frame"):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from holonom import trace
-from holonom.errors import ShapeError
+from holonom.errors import InputError, ShapeError
 
 
 @pytest.fixture(scope="module")
@@ -96,6 +96,9 @@ def test_other_layouts_are_taken(elementary):
         ([1.0, np.nan], r"a\[1\] is nan"),
         ([[1.0, 2.0], [np.inf, 1.0]], r"a\[0\] is inf in row \(1,\)"),
         (["x", 1.0], "not a number"),
+        (np.zeros(2, complex), "a holds complex numbers"),
+        (np.zeros((3, 2), complex), "a holds complex numbers"),
+        ([1.0, 2j], "a holds complex numbers"),
     ],
 )
 def test_bad_input_is_named(elementary, bad, says):
@@ -110,3 +113,12 @@ def test_bad_out_and_count_are_named(elementary):
         kernel(np.zeros((5, 2)), out=np.zeros((5, 6)))
     with pytest.raises(ShapeError, match="takes 1 arrays"):
         kernel(np.zeros(2), np.zeros(2))
+
+
+@pytest.mark.parametrize("threads", [0, -1, 2.0, 1.5, np.nan, "2", None])
+def test_a_number_of_threads_is_whole_and_positive(elementary, threads):
+    kernel, _ = elementary
+    for a in (np.zeros(2), np.zeros((3, 2)), [0.0, 0.0]):
+        with pytest.raises(InputError, match=r"threads is .*whole number of at least 1"):
+            kernel(a, threads=threads)
+    np.testing.assert_array_equal(kernel(np.zeros(2), threads=np.int64(3)), kernel(np.zeros(2)))

@@ -5,6 +5,8 @@ Everything follows from the singular values of the geometric Jacobian in the wor
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -14,6 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from holonom.errors import OutOfLimits, ShapeError, UnknownName
 from holonom.mechanics.arm import Arm
 from holonom.mechanics.equations.puma_geometry import puma_geometry
+from holonom.mechanics.equations.vectors import Vector, add, cross, matvec
+from holonom.trace import Number, compile, real_array
 
 __all__ = [
     "Ellipsoid",
@@ -137,7 +141,7 @@ def singularities(arm: Arm, q: ArrayLike, *, tolerance: float = 0.02) -> tuple[S
 
 
 def _puma_measures(arm: Arm, q: Array) -> dict[str, float] | None:
-    k = puma_geometry(arm.model)
+    k = arm.made("puma_geometry", lambda: puma_geometry(arm.model))
     if k is None:
         return None
     s23, c23 = np.sin(q[1] + q[2]), np.cos(q[1] + q[2])
@@ -177,29 +181,30 @@ def joint_torques(arm: Arm, q: ArrayLike, wrench: ArrayLike, frame: str = "world
 
     `frame`: "world", "base" or "tool". Gravity is not in: add `arm.gravity(q)`.
     """
-    h = np.asarray(wrench, dtype=float)
-    if h.shape[-1:] != (6,) or not np.isfinite(h).all():
-        raise ShapeError(f"wrench must be finite and of shape (..., 6), [f; m]; shape {h.shape} came")
-    return np.asarray(np.einsum("...ij,...i->...j", arm.jacobian(q, frame=frame), h))
+    result: Array = arm.calls["joint_torques", frame](q, wrench)
+    return result
 
 
 def transform_wrench(T_ab: ArrayLike, h_b: ArrayLike) -> Array:
     """The same wrench [f; m] stated in frame a, its moment about a's origin: f_a = R f, m_a = R m + p x R f."""
-    T, h = np.asarray(T_ab, dtype=float), np.asarray(h_b, dtype=float)
-    f, m = _turned(T, h)
-    return np.concatenate([f, m + np.cross(T[..., :3, 3], f)], axis=-1)
+    return np.asarray(_transform("wrench")(T_ab, h_b))
 
 
 def transform_twist(T_ab: ArrayLike, t_b: ArrayLike) -> Array:
     """The same twist [v; w] stated in frame a, v of the point at a's origin: w_a = R w, v_a = R v + p x R w."""
-    T, t = np.asarray(T_ab, dtype=float), np.asarray(t_b, dtype=float)
-    v, w = _turned(T, t)
-    return np.concatenate([v + np.cross(T[..., :3, 3], w), w], axis=-1)
+    return np.asarray(_transform("twist")(T_ab, t_b))
 
 
-def _turned(T: Array, x: Array) -> tuple[Array, Array]:
-    R = T[..., :3, :3]
-    return np.einsum("...ij,...j->...i", R, x[..., :3]), np.einsum("...ij,...j->...i", R, x[..., 3:])
+@functools.cache
+def _transform(what: Literal["wrench", "twist"]) -> Callable[..., Array]:
+    def equation(T: Vector, x: Vector) -> list[Number]:
+        R, p = [T[0:3], T[4:7], T[8:11]], [T[3], T[7], T[11]]
+        first, second = matvec(R, x[:3]), matvec(R, x[3:])
+        if what == "wrench":
+            return [*first, *add(second, cross(p, first))]
+        return [*add(first, cross(p, second)), *second]
+
+    return compile(equation, {"T": (4, 4), what: 6}, {"moved": 6}, name=f"transform_{what}").call
 
 
 def largest_force(arm: Arm, q: ArrayLike, direction: ArrayLike) -> float:
@@ -212,7 +217,7 @@ def largest_force(arm: Arm, q: ArrayLike, direction: ArrayLike) -> float:
     OutOfLimits
         Gravity alone exceeds a joint's torque limit.
     """
-    d = np.asarray(direction, dtype=float)
+    d = real_array("direction", direction)
     length = np.linalg.norm(d)
     if d.shape != (3,) or not length > 0.0:
         raise ShapeError(f"direction must be (3,) and not zero; {d} came")

@@ -4,29 +4,30 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from holonom.errors import InputError, ShapeError, UnknownName
+from holonom.errors import InputError, ShapeError
 from holonom.mechanics import inverse_geometry
 from holonom.mechanics.closed_form import FAMILIES, ClosedForm, closed_form
 from holonom.mechanics.equations.inertia import fixed_to_body
 from holonom.mechanics.ik_result import IkCase, IkNearest, IkResult, IkStatus
-from holonom.mechanics.kernels import make_kernel
-from holonom.mechanics.pose_check import is_rigid
+from holonom.mechanics.inverse_geometry import UNREACHABLE
+from holonom.mechanics.kernels import OPTIONS, Calls, make_kernel
 from holonom.model import ArmModel, Body, constant_transform
 from holonom.spatial import check_pose
-from holonom.trace import Kernel
+from holonom.trace import Kernel, real_array
 
 __all__ = ["Arm", "IkCase", "IkNearest", "IkResult", "IkStatus", "Limits"]
 
 Array = NDArray[np.float64]
-FREE = 1e-8
-"""Singular value of the Jacobian below which a combination of joints moves nothing."""
+Made = TypeVar("Made")
+CHUNK = 4096
+"""Rows that are looked at together, so that a batch takes no more memory than its result."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,20 +42,34 @@ class Limits:
     torque: Array
 
 
+@dataclass(frozen=True, slots=True)
+class _Inverse:
+    """What `Arm.ik` looks at in each call; `nowhere`: bytes of a status without a branch that reaches the target."""
+
+    call: Callable[..., Any]
+    poses: bool
+    exact: bool
+    nowhere: bytes
+    names: tuple[str, ...]
+
+
 class Arm:
     """A serial arm; every verb broadcasts over leading axes.
 
     One sample, or rows of C-contiguous float64, go the fast way.
 
     `threads=` shares a batch; `out=` takes a result array. Kernels are compiled on first use and cached on disk;
-    `kernel(name)` hands one out for the fastest repeated calls.
+    `kernel(name)` hands one out for the fastest repeated calls. `calls` holds those of the verbs.
     """
 
     def __init__(self, model: ArmModel) -> None:
         self.model = model
         self.n = len(model.independent)
-        self._kernels: dict[object, Kernel] = {}
-        self._has_friction = any(j.friction is not None for j in model.joints)
+        self.calls = Calls(self.kernel)
+        self._made: dict[Hashable, Any] = {}
+
+    def __reduce__(self) -> tuple[type[Arm], tuple[ArmModel]]:
+        return Arm, (self.model,)  # a copy, or another process, compiles for itself
 
     def __repr__(self) -> str:
         return f"Arm({self.model.name!r}, n={self.n})"
@@ -109,21 +124,17 @@ class Arm:
         Options are those of the verb: `frame=`, `friction=`, `wrench_frame=`. The
         fastest call is `kernel.single(q, ..., out)`: see `holonom.trace.Kernel`.
         """
-        asked = (name, *options.items()) if options else name
-        known = self._kernels.get(asked)
-        if known is not None:
-            return known
-        if name in ("inverse_dynamics", "forward_dynamics"):
-            options = {"friction": self._has_friction, "wrench_frame": None} | options
-        elif name == "fk":
-            options = {"frame": "tool"} | options
-        elif name == "jacobian":
-            options = {"frame": "world"} | options
-        key = (name, *sorted(options.items()))
-        if key not in self._kernels:
-            self._kernels[key] = make_kernel(name, self.model, options)
-        self._kernels[asked] = self._kernels[key]
-        return self._kernels[key]
+        chosen = {**OPTIONS.get(name, {}), **options}
+        if chosen.get("friction", 0) is None:
+            chosen["friction"] = any(joint.friction is not None for joint in self.model.joints)
+        return self.made((name, *sorted(chosen.items())), lambda: make_kernel(name, self.model, chosen))
+
+    def made(self, key: Hashable, make: Callable[[], Made]) -> Made:
+        """What `make` made for this arm when `key` was first asked for: verbs keep here what they prepare."""
+        if key not in self._made:
+            self._made[key] = make()
+        found: Made = self._made[key]
+        return found
 
     def fk(self, q: ArrayLike, frame: str = "tool", *, out: Array | None = None, threads: int = 1) -> Array:
         """Forward kinematics.
@@ -137,15 +148,12 @@ class Arm:
         -------
         T_w(frame) : (..., 4, 4).
         """
-        kernel = self._kernels.get(("fk", frame))
-        if kernel is None:
-            kernel = self._kernels["fk", frame] = self.kernel("fk", frame=frame)
-        result: Array = kernel(q, out=out, threads=threads)
+        result: Array = self.calls["fk", frame](q, out=out, threads=threads)
         return result
 
     def frames(self, q: ArrayLike) -> Array:
         """World poses of base, link1 .. link{n} and tool: (..., n + 2, 4, 4)."""
-        result: Array = self.kernel("frames")(q)
+        result: Array = self.calls["frames"](q)
         return result
 
     def jacobian(self, q: ArrayLike, frame: str = "world", *, out: Array | None = None, threads: int = 1) -> Array:
@@ -160,12 +168,7 @@ class Arm:
         -------
         J : (..., 6, n).
         """
-        kernel = self._kernels.get(("jacobian", frame))
-        if kernel is None:
-            if frame not in ("world", "base", "tool"):
-                raise UnknownName("Jacobian frame", frame, ("world", "base", "tool"))
-            kernel = self._kernels["jacobian", frame] = self.kernel("jacobian", frame=frame)
-        result: Array = kernel(q, out=out, threads=threads)
+        result: Array = self.calls["jacobian", frame](q, out=out, threads=threads)
         return result
 
     @functools.cached_property
@@ -188,28 +191,33 @@ class Arm:
         InputError
             No closed form for this arm.
         """
-        form = self._form()
-        target = self._target(T, form)
-        q, status = self.kernel("inverse_geometry")(target, threads=threads)
-        if not form.exact:
-            bounds = self.limits.lower, self.limits.upper
-            q, status = inverse_geometry.refined(self.fk, self.jacobian, bounds, form.task, target, q, status)
-        return IkResult(q, status, form.names)
+        inverse = self._inverse
+        target = T if inverse.poses else _points(T)
+        try:
+            q, status = inverse.call(target, threads=threads)
+        except ShapeError:
+            if inverse.poses:
+                check_pose(T, "T")  # names what is wrong with it
+            raise
+        if inverse.poses and (status.ndim > 1 or status.tobytes() == inverse.nowhere):
+            _check_lost(T, status)
+        if inverse.exact:
+            return tuple.__new__(IkResult, (q, status, inverse.names))
+        bounds, goal = (self.limits.lower, self.limits.upper), np.asarray(target, dtype=float)
+        task = "pose" if inverse.poses else "position"
+        q, status = inverse_geometry.refined(self.fk, self.jacobian, bounds, task, goal, q, status)
+        return IkResult(q, status, inverse.names)
 
-    def _form(self) -> ClosedForm:
-        if self.closed_form is None:
+    @functools.cached_property
+    def _inverse(self) -> _Inverse:
+        form = self.closed_form
+        if form is None:
             raise InputError(
                 f"arm {self.model.name!r} has no closed-form inverse: its axes lie like none of {', '.join(FAMILIES)}; "
                 "ik_nearest(T, q0) finds one solution numerically"
             )
-        return self.closed_form
-
-    def _target(self, T: ArrayLike, form: ClosedForm) -> Array:
-        target = np.asarray(T, dtype=float)
-        if form.task == "pose":
-            one = target.shape == (4, 4) and target.flags.c_contiguous
-            return target if one and is_rigid(target) else check_pose(T, "T")
-        return target if target.shape[-1:] == (3,) else check_pose(T, "T")[..., :3, 3]
+        nowhere = bytes([UNREACHABLE] * len(form.names))
+        return _Inverse(self.calls["inverse_geometry"], form.task == "pose", form.exact, nowhere, form.names)
 
     def ik_nearest(self, T: ArrayLike, q0: ArrayLike, *, weights: ArrayLike | None = None) -> IkNearest:
         """The reachable branch nearest to `q0`, with joints whole turns away where limits allow.
@@ -225,36 +233,23 @@ class Arm:
         Returns
         -------
         `status` is that of the branch taken: OK or SINGULAR, and LIMIT or UNREACHABLE if no branch is better.
+
+        Raises
+        ------
+        NotAPose, ShapeError
+            As for `ik`; `q0` of another shape, or with a number that is not finite, which is named.
         """
-        reference = np.asarray(q0, dtype=float)
-        if reference.shape[-1:] != (self.n,) or not np.isfinite(reference).all():
-            raise ShapeError(f"q0 must be finite and of shape (..., {self.n}); shape {reference.shape} came")
-        weight = np.ones(self.n) if weights is None else np.asarray(weights, dtype=float)
-        if weight.shape != (self.n,) or not (weight >= 0.0).all():
-            raise ShapeError(f"weights must be {self.n} numbers, none negative or NaN; shape {weight.shape} came")
+        return self._nearest(T, q0, weights)
+
+    @functools.cached_property
+    def _nearest(self) -> Callable[[ArrayLike, ArrayLike, ArrayLike | None], IkNearest]:
         if self.closed_form is None:
-            return self._searched(T, reference)
-        found = self.ik(T)
-        q = self._turned(found.q, reference[..., None, :])
-        rank = np.array([0.0, 2e6, 1e6, 0.0])[found.status]
-        branch = np.argmin((weight * np.abs(q - reference[..., None, :])).max(-1) + rank, axis=-1)
-        taken = np.take_along_axis(q, branch[..., None, None], -2)[..., 0, :]
-        status = np.take_along_axis(found.status, branch[..., None], -1)[..., 0]
-        return IkNearest(self._kept(T, taken, reference, status), status, branch, found.names)
+            return self._searched
+        from holonom.mechanics.nearest import Nearest  # compiled code, on first use
 
-    def _kept(self, T: ArrayLike, q: Array, reference: Array, status: NDArray[np.int8]) -> Array:
-        """Singular branches with their free joints as in the reference, where that holds the pose."""
-        singular = status == IkStatus.SINGULAR
-        if not singular.any():
-            return q
-        _, s, Vt = np.linalg.svd(self.jacobian(q))
-        free = np.where(s[..., None] < FREE, Vt, 0.0)
-        moved = q + np.einsum("...ki,...kj,...j->...i", free, free, reference - q)
-        inside = ((moved >= self.limits.lower) & (moved <= self.limits.upper)).all(-1)
-        holds = np.abs(self.fk(moved) - np.asarray(T)).max((-1, -2)) < 1e-8
-        return np.where((singular & inside & holds)[..., None], moved, q)
+        return Nearest(self).take
 
-    def _searched(self, T: ArrayLike, q0: Array) -> IkNearest:
+    def _searched(self, T: ArrayLike, q0: ArrayLike, weights: ArrayLike | None) -> IkNearest:
         """What the numerical solver finds from q0."""
         from holonom.mechanics.numerical_inverse import InverseStatus, solve_inverse
 
@@ -265,14 +260,7 @@ class Arm:
             InverseStatus.LIMIT: IkStatus.LIMIT,
         }
         status = np.array([named[s] for s in InverseStatus], dtype=np.int8)[found.status]
-        return IkNearest(found.q, status, np.full(status.shape, -1), ())
-
-    def _turned(self, q: Array, reference: Array) -> Array:
-        """Whole turns nearer to the reference, where that stays within the limits."""
-        limits = self.limits
-        turns = np.array([2.0 * np.pi * (self.model.joints[i].kind == "revolute") for i in self.model.independent])
-        turned = q + turns * np.round((reference - q) / (2.0 * np.pi))
-        return np.where((turned >= limits.lower) & (turned <= limits.upper), turned, q)
+        return IkNearest(found.q, status, np.full(np.shape(status), -1), ())
 
     def inverse_dynamics(
         self,
@@ -303,12 +291,14 @@ class Arm:
         ------
         ShapeError, MissingInertia, InputError
         """
-        kernel = self._dynamics("inverse_dynamics", friction, wrench, wrench_frame)
+        call = self.calls["inverse_dynamics", friction, wrench_frame]
         result: Array
-        if wrench is None:
-            result = kernel(q, qd, qdd, out=out, threads=threads)
+        if wrench is None is wrench_frame:
+            result = call(q, qd, qdd, out=out, threads=threads)
+        elif wrench is None or wrench_frame is None:
+            raise InputError('wrench= and wrench_frame= ("world" or "tool") go together; one of them is missing')
         else:
-            result = kernel(q, qd, qdd, wrench, out=out, threads=threads)
+            result = call(q, qd, qdd, wrench, out=out, threads=threads)
         return result
 
     def forward_dynamics(
@@ -329,37 +319,43 @@ class Arm:
         -------
         qdd : (..., n) rad/s2.
         """
-        kernel = self._dynamics("forward_dynamics", friction, wrench, wrench_frame)
+        call = self.calls["forward_dynamics", friction, wrench_frame]
         result: Array
-        if wrench is None:
-            result = kernel(q, qd, tau, out=out, threads=threads)
-        else:
-            result = kernel(q, qd, tau, wrench, out=out, threads=threads)
-        return result
-
-    def _dynamics(self, name: str, friction: bool | None, wrench: ArrayLike | None, wrench_frame: str | None) -> Kernel:
-        key = (name, friction, wrench_frame)
-        kernel = self._kernels.get(key)
-        if (wrench is None) != (wrench_frame is None):
+        if wrench is None is wrench_frame:
+            result = call(q, qd, tau, out=out, threads=threads)
+        elif wrench is None or wrench_frame is None:
             raise InputError('wrench= and wrench_frame= ("world" or "tool") go together; one of them is missing')
-        if kernel is None:
-            if wrench_frame not in (None, "world", "tool"):
-                raise UnknownName("wrench frame", str(wrench_frame), ("world", "tool"))
-            with_friction = self._has_friction if friction is None else bool(friction)
-            kernel = self._kernels[key] = self.kernel(name, friction=with_friction, wrench_frame=wrench_frame)
-        return kernel
+        else:
+            result = call(q, qd, tau, wrench, out=out, threads=threads)
+        return result
 
     def mass_matrix(self, q: ArrayLike, *, out: Array | None = None, threads: int = 1) -> Array:
         """B(q): (..., n, n), with reflected rotor inertia on the diagonal."""
-        result: Array = self.kernel("mass_matrix")(q, out=out, threads=threads)
+        result: Array = self.calls["mass_matrix"](q, out=out, threads=threads)
         return result
 
     def coriolis_matrix(self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None, threads: int = 1) -> Array:
         """C(q, qd), (..., n, n), by Christoffel symbols: Bdot - 2 C is skew-symmetric; C qd are torques, N m."""
-        result: Array = self.kernel("coriolis_matrix")(q, qd, out=out, threads=threads)
+        result: Array = self.calls["coriolis_matrix"](q, qd, out=out, threads=threads)
         return result
 
     def gravity(self, q: ArrayLike, *, out: Array | None = None, threads: int = 1) -> Array:
         """Torques that hold the arm at rest: (..., n) N m."""
-        result: Array = self.kernel("gravity")(q, out=out, threads=threads)
+        result: Array = self.calls["gravity"](q, out=out, threads=threads)
         return result
+
+
+def _points(T: ArrayLike) -> Array:
+    """Points (..., 3), or the places of poses."""
+    target = real_array("T", T)
+    return target if target.shape[-1:] == (3,) else check_pose(target, "T")[..., :3, 3]
+
+
+def _check_lost(T: ArrayLike, status: NDArray[np.int8]) -> None:
+    """Refuse what is no pose: the kernel reaches none of it, so only targets without a reached branch are looked at."""
+    k = status.shape[-1]
+    poses, rows = np.asarray(T, dtype=float).reshape(-1, 4, 4), status.reshape(-1, k)
+    for first in range(0, len(rows), CHUNK):
+        lost = (rows[first : first + CHUNK] == UNREACHABLE).all(-1)
+        if lost.any():
+            check_pose(poses[first : first + CHUNK][lost], "T")

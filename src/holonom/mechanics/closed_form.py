@@ -15,8 +15,12 @@ Branch names. `righty` and `lefty`: the arm stands right or left of the line fro
 (`front` and `back` where it has no lateral offset: facing the wrist, or bent over backwards); for planar arms the
 elbow is right or left of the line from joint 1 to the tool. `above` and `below`: the elbow, against the line from
 shoulder to wrist. `noflip` and `flip`: the middle joint of the wrist on the positive or negative side of straight.
-`q3+` and `q3-`: joint 3 on the larger or smaller side of where both solutions meet. `way1` to `way4`: the roots of a
-quartic, which change places; follow them with `mechanics.paths`.
+`q3+` and `q3-`: joint 3 on the larger or smaller side of where both solutions meet. `det+ first`, `det+ second`,
+`det- first` and `det- second`: the roots of a quartic, by the sign of the determinant of the first three joints'
+Jacobian at the wrist (or tool), then by q3 from -pi to pi, counted from the home position. The sign of a branch that is
+reached lasts until it is singular. The number lasts until another branch of its sign appears, ends, or is passed by q3
+at the cut: no name could do more, for some of these arms pass from one solution to another without a singularity
+between (cuspidal arms, Wenger 1992). Follow branches with `mechanics.paths`.
 """
 
 from __future__ import annotations
@@ -28,7 +32,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from holonom.mechanics.equations.general_arm import general
+from holonom.mechanics.equations.general_arm import NAMES, general
 from holonom.mechanics.equations.parallel_axes import planar_point, planar_pose, three_parallel
 from holonom.mechanics.equations.regional import (
     Regional,
@@ -181,7 +185,7 @@ def _meeting_23(screws: Sequence[Screw], c: Vector) -> Region | None:
 def _any(screws: Sequence[Screw], c: Vector) -> Region | None:
     if _kinds(screws) != "RRR" or parallel(screws[0], screws[1]) or parallel(screws[1], screws[2]):
         return None
-    return Region(screws, general, ("way1", "way2", "way3", "way4"))
+    return Region(screws, general, NAMES)
 
 
 REGIONS: Mapping[str, Callable[[Sequence[Screw], Vector], Region | None]] = {

@@ -6,7 +6,6 @@ Inverse and forward dynamics, mass and Coriolis matrix and gravity are methods o
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -54,16 +53,14 @@ class ForwardDynamicsDerivatives(NamedTuple):
     dqdd_dtau: Array
 
 
-@dataclass(frozen=True, slots=True)
-class Energy:
+class Energy(NamedTuple):
     """Kinetic and potential energy, (...) J; the potential one is zero with all mass in the world's origin."""
 
     kinetic: Array
     potential: Array
 
 
-@dataclass(frozen=True, slots=True)
-class CouplingTable:
+class CouplingTable(NamedTuple):
     """The table D_i, D_ij, D_ijk of the equations of motion without friction.
 
     tau_i = gravity_i + sum_j inertia_ij qdd_j + sum_j centrifugal_ij qd_j^2 + sum_jk coriolis_ijk qd_j qd_k
@@ -100,8 +97,8 @@ def inverse_dynamics_derivatives(
     ------
     ShapeError, MissingInertia
     """
-    kernel = arm.kernel("inverse_dynamics_derivatives", friction=friction)
-    return InverseDynamicsDerivatives(*kernel(q, qd, qdd, out=out, threads=threads))
+    call = arm.calls["inverse_dynamics_derivatives", friction]
+    return tuple.__new__(InverseDynamicsDerivatives, call(q, qd, qdd, out=out, threads=threads))
 
 
 def forward_dynamics_derivatives(
@@ -121,8 +118,8 @@ def forward_dynamics_derivatives(
     q, qd, tau : (..., n) rad, rad/s, N m.
     friction, out : as for `inverse_dynamics_derivatives`.
     """
-    kernel = arm.kernel("forward_dynamics_derivatives", friction=friction)
-    return ForwardDynamicsDerivatives(*kernel(q, qd, tau, out=out, threads=threads))
+    call = arm.calls["forward_dynamics_derivatives", friction]
+    return tuple.__new__(ForwardDynamicsDerivatives, call(q, qd, tau, out=out, threads=threads))
 
 
 def christoffel(arm: Arm, q: ArrayLike, *, threads: int = 1) -> Array:
@@ -130,44 +127,42 @@ def christoffel(arm: Arm, q: ArrayLike, *, threads: int = 1) -> Array:
 
     (C qd)_i = sum_jk c_ijk qd_j qd_k.
     """
-    result: Array = arm.kernel("christoffel")(q, threads=threads)
+    result: Array = arm.calls["christoffel"](q, threads=threads)
     return result
 
 
 def coupling_table(arm: Arm, q: ArrayLike) -> CouplingTable:
     """Gravity, inertia, centrifugal and Coriolis coefficients in one configuration or many, (..., n)."""
-    c = christoffel(arm, q)
-    centrifugal = np.einsum("...ijj->...ij", c).copy()
-    return CouplingTable(arm.gravity(q), arm.mass_matrix(q), centrifugal, np.where(np.eye(arm.n, dtype=bool), 0.0, c))
+    return tuple.__new__(CouplingTable, arm.calls["coupling_table"](q))
 
 
 def bias(arm: Arm, q: ArrayLike, qd: ArrayLike, *, friction: bool | None = None, threads: int = 1) -> Array:
     """Torques without acceleration: C qd + g and friction, (..., n) N m."""
-    result: Array = arm.kernel("bias", friction=friction)(q, qd, threads=threads)
+    result: Array = arm.calls["bias", friction](q, qd, threads=threads)
     return result
 
 
 def energy(arm: Arm, q: ArrayLike, qd: ArrayLike, *, threads: int = 1) -> Energy:
     """Kinetic energy (rotors included as `arm.model.rotors` says) and potential energy of the arm."""
-    kinetic, potential = arm.kernel("energy")(q, qd, threads=threads)
-    return Energy(kinetic[..., 0], potential[..., 0])
+    both = arm.calls["energy"](q, qd, threads=threads)
+    return tuple.__new__(Energy, (both[..., 0], both[..., 1]))
 
 
 def momentum(arm: Arm, q: ArrayLike, qd: ArrayLike, *, threads: int = 1) -> Array:
     """Generalised momentum B qd, (..., n)."""
-    result: Array = arm.kernel("momentum")(q, qd, threads=threads)
+    result: Array = arm.calls["momentum"](q, qd, threads=threads)
     return result
 
 
 def centroidal_momentum(arm: Arm, q: ArrayLike, qd: ArrayLike, *, threads: int = 1) -> Array:
     """Linear momentum and angular momentum about the centre of mass, in the world, rotors locked: (..., 6)."""
-    result: Array = arm.kernel("centroidal_momentum")(q, qd, threads=threads)
+    result: Array = arm.calls["centroidal_momentum"](q, qd, threads=threads)
     return result
 
 
 def centre_of_mass(arm: Arm, q: ArrayLike, *, threads: int = 1) -> Array:
     """Centre of mass of all moving bodies in the world, (..., 3) m."""
-    result: Array = arm.kernel("centre_of_mass")(q, threads=threads)
+    result: Array = arm.calls["centre_of_mass"](q, threads=threads)
     return result
 
 

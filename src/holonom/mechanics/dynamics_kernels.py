@@ -17,7 +17,7 @@ from holonom.model import ArmModel
 from holonom.trace import Kernel, Number, Scalar, compile
 from holonom.trace.derivative import jacobian
 
-__all__ = ["DYNAMICS"]
+__all__ = ["DYNAMICS", "WITH_FRICTION"]
 
 Options = Mapping[str, Any]
 
@@ -30,14 +30,8 @@ def _scalars(values: Vector) -> list[Scalar]:
     return [v for v in values if isinstance(v, Scalar)]
 
 
-def _with_friction(model: ArmModel, options: Options) -> bool:
-    """By default where the model has any."""
-    stated = options.get("friction")
-    return any(joint.friction is not None for joint in model.joints) if stated is None else bool(stated)
-
-
 def _inverse_derivatives(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
-    friction = _with_friction(model, options)
+    friction = options["friction"]
 
     def equation(q: Vector, qd: Vector, qdd: Vector) -> list[list[Number]]:
         if model.rotors == "full":
@@ -63,7 +57,7 @@ def _by_graph(
 
 
 def _forward_derivatives(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
-    friction = _with_friction(model, options)
+    friction = options["friction"]
 
     def equation(q: Vector, qd: Vector, tau: Vector) -> list[list[Number]]:
         if model.rotors == "full":
@@ -119,21 +113,44 @@ def _coriolis(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> 
 
 def _christoffel(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
     n = len(model.independent)
+    return compile(
+        lambda q: [c for layer in _symbols(model, bodies, q) for c in _flat(layer)],
+        {"q": n},
+        {"c": (n, n, n)},
+        name=f"{model.name}_christoffel",
+    )
 
-    def equation(q: Vector) -> list[Number]:
-        if model.rotors == "reflected":
-            return [c for layer in coriolis.christoffel(model, bodies, q) for c in _flat(layer)]
-        slope = [jacobian(row, _scalars(q)) for row in composite_body.mass_matrix(model, bodies, q)]
-        places = range(n)
+
+def _symbols(model: ArmModel, bodies: Sequence[Inertial], q: Vector) -> Sequence[Matrix]:
+    if model.rotors == "reflected":
+        return coriolis.christoffel(model, bodies, q)
+    slope = [jacobian(row, _scalars(q)) for row in composite_body.mass_matrix(model, bodies, q)]
+    places = range(len(q))
+    return [
+        [[0.5 * (slope[i][j][k] + slope[i][k][j] - slope[j][k][i]) for k in places] for j in places] for i in places
+    ]
+
+
+def _coupling_table(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
+    """D_i, D_ij, D_ijj, and D_ijk with zeros for j = k."""
+    n = len(model.independent)
+
+    def equation(q: Vector) -> list[list[Number]]:
+        still = [0.0] * n
+        c, places = _symbols(model, bodies, q), range(n)
         return [
-            0.5 * (slope[i][j][k] + slope[i][k][j] - slope[j][k][i]) for i in places for j in places for k in places
+            newton_euler.inverse_dynamics(model, bodies, q, still, still),
+            _flat(composite_body.mass_matrix(model, bodies, q)),
+            [c[i][j][j] for i in places for j in places],
+            [0.0 if j == k else c[i][j][k] for i in places for j in places for k in places],
         ]
 
-    return compile(equation, {"q": n}, {"c": (n, n, n)}, name=f"{model.name}_christoffel")
+    outputs: dict[str, int | tuple[int, ...]] = {"gravity": n, "B": (n, n), "D2": (n, n), "D3": (n, n, n)}
+    return compile(equation, {"q": n}, outputs, name=f"{model.name}_coupling_table")
 
 
 def _bias(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
-    n, friction = len(model.independent), _with_friction(model, options)
+    n, friction = len(model.independent), options["friction"]
     return compile(
         lambda q, qd: newton_euler.inverse_dynamics(model, bodies, q, qd, [0.0] * n, friction=friction),
         {"q": n, "qd": n},
@@ -145,12 +162,9 @@ def _bias(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kern
 def _energy(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
     n = len(model.independent)
     return compile(
-        lambda q, qd: [
-            [energy.kinetic_energy(model, bodies, q, qd)],
-            [energy.potential_energy(model, bodies, q)],
-        ],
+        lambda q, qd: [energy.kinetic_energy(model, bodies, q, qd), energy.potential_energy(model, bodies, q)],
         {"q": n, "qd": n},
-        {"kinetic": 1, "potential": 1},
+        {"energy": 2},
         name=f"{model.name}_energy",
     )
 
@@ -186,9 +200,12 @@ DYNAMICS: Mapping[str, Callable[[ArmModel, Sequence[Inertial], Options], Kernel]
     "forward_dynamics_derivatives": _forward_derivatives,
     "coriolis_matrix": _coriolis,
     "christoffel": _christoffel,
+    "coupling_table": _coupling_table,
     "bias": _bias,
     "energy": _energy,
     "momentum": _momentum,
     "centroidal_momentum": _centroidal_momentum,
     "centre_of_mass": _centre_of_mass,
 }
+WITH_FRICTION = ("inverse_dynamics_derivatives", "forward_dynamics_derivatives", "bias")
+"""Those that joint friction may be in."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import NamedTuple
 
@@ -73,8 +72,7 @@ class IkResult(NamedTuple):
         return np.asarray((same & both & earlier).any(-1))
 
 
-@dataclass(frozen=True, slots=True)
-class IkNearest:
+class IkNearest(NamedTuple):
     """The branch nearest to a joint vector: q (..., n), status (...), branch (...): its number in `names`.
 
     Where the arm has no closed form there are no names, and `branch` is -1.

@@ -13,7 +13,8 @@ from holonom.mechanics.equations import kinematics
 from holonom.mechanics.equations.subproblems import Branch, Truth, Turn
 from holonom.mechanics.equations.vectors import Matrix, Pose, Vector, compose, dot, matmul, matvec, sub, transpose
 from holonom.model import ArmModel, JointLimits
-from holonom.trace import Kernel, Number, atan2, compile, less, select
+from holonom.spatial.poses import RIGID
+from holonom.trace import Kernel, Number, absolute, atan2, compile, less, select
 
 __all__ = [
     "LIMIT",
@@ -43,13 +44,17 @@ def inverse_geometry(model: ArmModel, form: ClosedForm, target: Vector) -> tuple
     """All branches for T_wt (16 numbers, row by row), or for p_wt (3) of a position task: joints (k n), status (k).
 
     The rotation is first made orthonormal (one Newton step: 1e-6 becomes 1e-12). A branch that forward kinematics does
-    not prove is UNREACHABLE; it holds the joints that come nearest in its own way.
+    not prove is UNREACHABLE; it holds the joints that come nearest in its own way. So are all branches of what is no
+    pose, to the tolerance of `spatial.check_pose`: whoever finds none reached asks that for the reason.
     """
+    refused: Truth = False
     if form.task == "position":
         found = form.branches(_into(form.chain.before, target))
         goal = list(target)
     else:
-        R, p = _orthonormal([target[4 * i : 4 * i + 3] for i in range(3)]), [target[3], target[7], target[11]]
+        R, departs = _orthonormal([target[4 * i : 4 * i + 3] for i in range(3)])
+        p = [target[3], target[7], target[11]]
+        refused = departs | _last_row_departs(target[12:])
         found = form.branches(_motion(form, (R, p)))
         goal = kinematics.flat_pose((R, p))[:12]
     reached = REACHED if form.exact else REACHED + DEPARTED * form.chain.departure
@@ -60,7 +65,8 @@ def inverse_geometry(model: ArmModel, form: ClosedForm, target: Vector) -> tuple
         T = kinematics.pose(model, q, None)
         missing = sub(T[:12] if len(goal) == 12 else [T[3], T[7], T[11]], goal)
         joints += q
-        status.append(_status(model, q, less(reached * reached, dot(missing, missing)), branch.free))
+        missed = refused | less(reached * reached, dot(missing, missing))
+        status.append(_status(model, q, missed, branch.free))
     return joints, status
 
 
@@ -77,11 +83,23 @@ def inverse_kernel(model: ArmModel, form: ClosedForm) -> Kernel:
     )
 
 
-def _orthonormal(R: Matrix) -> Matrix:
-    """R (3 - R^T R) / 2: the rotation nearest to R, if R is nearly one."""
-    square = matmul(transpose(R), R)
+def _orthonormal(R: Matrix) -> tuple[Matrix, Truth]:
+    """(3 - R R^T) R / 2, the rotation nearest to R if R is nearly one, and whether it is not.
+
+    A mirror passes here, and fails the proof: what forward kinematics gives turns.
+    """
+    square = matmul(R, transpose(R))
+    departs: Truth = False
+    for i in range(3):
+        for j in range(i + 1):
+            departs = departs | less(RIGID, absolute(square[i][j] - (1.0 if i == j else 0.0)))
     half = [[(1.5 if i == j else 0.0) - 0.5 * square[i][j] for j in range(3)] for i in range(3)]
-    return matmul(R, half)
+    return matmul(half, R), departs
+
+
+def _last_row_departs(row: Vector) -> Truth:
+    x, y, z, one = row
+    return less(0.0, absolute(x) + absolute(y) + absolute(z) + absolute(one - 1.0))
 
 
 def _into(frame: Sequence[Sequence[float]], p: Vector) -> list[Number]:

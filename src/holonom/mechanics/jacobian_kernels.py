@@ -12,7 +12,7 @@ from holonom.model import ArmModel
 from holonom.trace import Kernel, Number, Scalar, compile, less, select, sqrt
 from holonom.trace.derivative import along, jacobian
 
-__all__ = ["JACOBIANS"]
+__all__ = ["FRAMED", "JACOBIANS", "frame_named"]
 
 Options = Mapping[str, Any]
 DEGENERATE = 1e-9
@@ -27,7 +27,8 @@ def _scalars(values: Vector) -> list[Scalar]:
     return [v for v in values if isinstance(v, Scalar)]
 
 
-def _frame(options: Options) -> str:
+def frame_named(options: Options) -> str:
+    """The frame of a Jacobian, one of three."""
     frame = str(options.get("frame", "world"))
     if frame not in ("world", "base", "tool"):
         raise UnknownName("Jacobian frame", frame, ("world", "base", "tool"))
@@ -35,7 +36,7 @@ def _frame(options: Options) -> str:
 
 
 def _jacobian_rate(model: ArmModel, options: Options) -> Kernel:
-    n, frame = len(model.independent), _frame(options)
+    n, frame = len(model.independent), frame_named(options)
     return compile(
         lambda q, qd: along(kinematics.jacobian(model, q, frame), _scalars(q), qd),
         {"q": n, "qd": n},
@@ -46,7 +47,7 @@ def _jacobian_rate(model: ArmModel, options: Options) -> Kernel:
 
 def _acceleration_bias(model: ArmModel, options: Options) -> Kernel:
     """Jdot qd as the rate of J qd with qd held: without Jdot."""
-    n, frame = len(model.independent), _frame(options)
+    n, frame = len(model.independent), frame_named(options)
 
     def equation(q: Vector, qd: Vector) -> list[Number]:
         J = kinematics.jacobian(model, q, frame)
@@ -56,7 +57,7 @@ def _acceleration_bias(model: ArmModel, options: Options) -> Kernel:
 
 
 def _jacobian_hessian(model: ArmModel, options: Options) -> Kernel:
-    n, frame = len(model.independent), _frame(options)
+    n, frame = len(model.independent), frame_named(options)
     return compile(
         lambda q: _flat(jacobian(kinematics.jacobian(model, q, frame), _scalars(q))),
         {"q": n},
@@ -105,3 +106,5 @@ JACOBIANS: Mapping[str, Callable[[ArmModel, Options], Kernel]] = {
     "jacobian_hessian": _jacobian_hessian,
     "analytic_jacobian": _analytic_jacobian,
 }
+FRAMED = ("jacobian_rate", "acceleration_bias", "jacobian_hessian")
+"""Those that are stated in a frame."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,8 +14,7 @@ __all__ = ["AnalyticJacobian", "acceleration_bias", "analytic_jacobian", "jacobi
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True, slots=True)
-class AnalyticJacobian:
+class AnalyticJacobian(NamedTuple):
     """J (..., 6, n), rows [v; angle rates]; where `degenerate` (...) holds the rates are undefined, their rows zero."""
 
     J: Array
@@ -27,19 +26,19 @@ def jacobian_rate(arm: Arm, q: ArrayLike, qd: ArrayLike, frame: str = "world", *
 
     In the tool frame it is the rate of the components, seen by an observer who moves with the tool.
     """
-    result: Array = arm.kernel("jacobian_rate", frame=frame)(q, qd, threads=threads)
+    result: Array = arm.calls["jacobian_rate", frame](q, qd, threads=threads)
     return result
 
 
 def acceleration_bias(arm: Arm, q: ArrayLike, qd: ArrayLike, frame: str = "world", *, threads: int = 1) -> Array:
     """Jdot qd, (..., 6): what the tool's acceleration [vd; wd] = J qdd + Jdot qd is without joint accelerations."""
-    result: Array = arm.kernel("acceleration_bias", frame=frame)(q, qd, threads=threads)
+    result: Array = arm.calls["acceleration_bias", frame](q, qd, threads=threads)
     return result
 
 
 def jacobian_hessian(arm: Arm, q: ArrayLike, frame: str = "world", *, threads: int = 1) -> Array:
     """Derivatives of the geometric Jacobian: H[..., i, j, k] = d J_ij / d q_k, (..., 6, n, n)."""
-    result: Array = arm.kernel("jacobian_hessian", frame=frame)(q, threads=threads)
+    result: Array = arm.calls["jacobian_hessian", frame](q, threads=threads)
     return result
 
 
@@ -57,5 +56,5 @@ def analytic_jacobian(arm: Arm, q: ArrayLike, *, angles: str, threads: int = 1) 
     The Jacobian, and whether the angles are degenerate: sin(theta) = 0 for ZYZ, cos(pitch) = 0 for RPY. Only a sum or
     difference of two angles is defined there.
     """
-    J, degenerate = arm.kernel("analytic_jacobian", angles=angles)(q, threads=threads)
-    return AnalyticJacobian(J, degenerate[..., 0].astype(bool))
+    J, degenerate = arm.calls["analytic_jacobian", angles](q, threads=threads)
+    return tuple.__new__(AnalyticJacobian, (J, degenerate.view(bool)[..., 0]))

@@ -17,13 +17,13 @@ from holonom.mechanics.equations import (
 )
 from holonom.mechanics.equations.inertia import Inertial
 from holonom.mechanics.equations.rotors import links_with_rotors
-from holonom.mechanics.equations.vectors import Pose, Vector, tvec
+from holonom.mechanics.equations.vectors import Pose, Vector, matvec, transpose, tvec
 from holonom.mechanics.inverse_geometry import inverse_kernel
 from holonom.mechanics.regressor_kernel import regressor_kernel
 from holonom.model import ArmModel
 from holonom.trace import Kernel, Number, compile
 
-__all__ = ["KERNELS", "bodies_of", "frame_of", "make_kernel"]
+__all__ = ["KERNELS", "OPTIONS", "Calls", "bodies_of", "frame_of", "make_kernel"]
 
 Options = Mapping[str, Any]
 Builder = Callable[[ArmModel, Options], Kernel]
@@ -90,7 +90,7 @@ def _all_frames(model: ArmModel, options: Options) -> Kernel:
 
 
 def _jacobian(model: ArmModel, options: Options) -> Kernel:
-    n, frame = len(model.independent), options["frame"]
+    n, frame = len(model.independent), jacobian_kernels.frame_named(options)
     return compile(
         lambda q: kinematics.jacobian(model, q, frame),
         {"q": n},
@@ -99,12 +99,25 @@ def _jacobian(model: ArmModel, options: Options) -> Kernel:
     )
 
 
+def _joint_torques(model: ArmModel, options: Options) -> Kernel:
+    """J^T h."""
+    n, frame = len(model.independent), jacobian_kernels.frame_named(options)
+
+    def equation(q: Vector, wrench: Vector) -> list[Number]:
+        J = kinematics.jacobian(model, q, frame)
+        return matvec(transpose([J[n * i : n * i + n] for i in range(6)]), wrench)
+
+    return compile(equation, {"q": n, "wrench": 6}, {"tau": n}, name=f"{model.name}_joint_torques_{frame}")
+
+
 def _dynamics(verb: str, equation: Callable[..., list[Number]], given: str, wanted: str) -> Builder:
     """Builder of a dynamics kernel: q, qd, what is given and perhaps a wrench make what is wanted."""
 
     def build(model: ArmModel, options: Options) -> Kernel:
         n, bodies = len(model.independent), bodies_of(model)
         friction, frame = options["friction"], options["wrench_frame"]
+        if frame not in (None, "world", "tool"):
+            raise UnknownName("wrench frame", str(frame), ("world", "tool"))
 
         def traced(q: Vector, qd: Vector, x: Vector, wrench: Vector | None = None) -> list[Number]:
             load = None if wrench is None else _wrench_in_tool(model, q, wrench, frame)
@@ -150,6 +163,7 @@ def _of_bodies(build: Callable[[ArmModel, Sequence[Inertial], Options], Kernel])
 
 KERNELS: Mapping[str, Builder] = {
     "closed_loop": lambda model, options: closed_loop.closed_loop_kernel(model, bodies_of(model), options),
+    "stiction": lambda model, options: closed_loop.stiction_kernel(model, bodies_of(model), options),
     "fk": _fk,
     "frames": _all_frames,
     "jacobian": _jacobian,
@@ -157,6 +171,7 @@ KERNELS: Mapping[str, Builder] = {
     "forward_dynamics": _dynamics("forward_dynamics", forward_dynamics.forward_dynamics, "tau", "qdd"),
     "mass_matrix": _mass_matrix,
     "gravity": _gravity,
+    "joint_torques": _joint_torques,
     "regressor": regressor_kernel,
     "inverse_geometry": _inverse_geometry,
     **{name: _of_bodies(build) for name, build in dynamics_kernels.DYNAMICS.items()},
@@ -164,6 +179,33 @@ KERNELS: Mapping[str, Builder] = {
     "pose_task": pose_kernels.task,
     "criterion": pose_kernels.criterion,
 }
+
+_LOADED: Options = {"friction": None, "wrench_frame": None}
+OPTIONS: Mapping[str, Options] = {
+    "fk": {"frame": "tool"},
+    **{name: {"frame": "world"} for name in ("jacobian", "joint_torques", *jacobian_kernels.FRAMED)},
+    "analytic_jacobian": {"angles": None},
+    "inverse_dynamics": _LOADED,
+    "forward_dynamics": _LOADED,
+    **{name: {"friction": None} for name in dynamics_kernels.WITH_FRICTION},
+}
+"""Options of the kernels that have any, and what they are by default; friction None: where the model states some."""
+
+
+class Calls(dict[Any, Callable[..., Any]]):
+    """The calls of an arm's kernels, made when first asked for: `calls["gravity"]`, `calls["fk", "tool"]`.
+
+    Options follow the name in the order of `OPTIONS`: a look-up of a tenth of a microsecond, where keywords take one.
+    """
+
+    def __init__(self, kernel: Callable[..., Kernel]) -> None:
+        super().__init__()
+        self._kernel = kernel
+
+    def __missing__(self, key: Any) -> Callable[..., Any]:
+        name, *values = (key,) if isinstance(key, str) else key
+        call = self[key] = self._kernel(name, **dict(zip(OPTIONS[name], values, strict=True) if values else ())).call
+        return call
 
 
 def make_kernel(name: str, model: ArmModel, options: Options) -> Kernel:

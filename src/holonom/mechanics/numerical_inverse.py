@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import functools
 import math
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,9 +15,11 @@ from numpy.typing import ArrayLike, NDArray
 from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mechanics.arm import Arm
 from holonom.mechanics.equations.criteria import CRITERIA, Criterion
+from holonom.mechanics.nearest import joint_vectors
 from holonom.mechanics.pose_kernels import multipliers_kernel
 from holonom.model import ArmModel
 from holonom.spatial import check_pose
+from holonom.trace import check_threads, real_array, share
 
 if TYPE_CHECKING:
     from holonom.mechanics.solver_kernels import Chain, Search
@@ -36,8 +39,7 @@ class InverseStatus(IntEnum):
     LIMIT = 2
 
 
-@dataclass(frozen=True, slots=True)
-class InverseResult:
+class InverseResult(NamedTuple):
     """Joint vectors for poses.
 
     q : (..., n) rad or m; status : (...) int8, an `InverseStatus`; residual : (...) length of the pose error (m and
@@ -98,34 +100,51 @@ def solve_inverse(
     -----
     Damping proportional to the squared error: Chan & Lawrence, ICRA 1988; Sugihara, IEEE T-RO 27 (2011).
     """
-    solver = inverse_solver(
-        arm,
-        limits=limits,
-        tolerance=tolerance,
-        restarts=restarts,
-        steps=steps,
-        weights=weights,
-        weights_frame=weights_frame,
-        criterion=criterion,
-        seed=seed,
+    counted = None if weights is None else tuple(np.ravel(weights).tolist())
+    asked = (solve_inverse, limits, tolerance, restarts, steps, counted, weights_frame, criterion, seed)
+    solver = arm.made(
+        asked,
+        lambda: inverse_solver(
+            arm,
+            limits=limits,
+            tolerance=tolerance,
+            restarts=restarts,
+            steps=steps,
+            weights=weights,
+            weights_frame=weights_frame,
+            criterion=criterion,
+            seed=seed,
+        ),
     )
     return solver(T, q0, preferred=preferred, threads=threads)
 
 
+_NONE = np.empty(0)
+_STATUS = tuple(np.int8(status) for status in InverseStatus)
+
+
 @dataclass(frozen=True, slots=True)
 class InverseSolver:
-    """A numerical inverse prepared for one arm and one way of searching: what `solve_inverse` calls, for many calls."""
+    """A numerical inverse prepared for one arm and one way of searching: what `solve_inverse` calls, for many calls.
+
+    `packed` holds chain and search for one pose at a time (see `solver_kernels.solve_one`).
+    """
 
     names: tuple[str, ...]
     limits: bool
     chain: Chain
     search: Search
+    packed: tuple[Array, Array, NDArray[np.int64]]
 
     def __call__(
         self, T: ArrayLike, q0: ArrayLike | None = None, *, preferred: ArrayLike | None = None, threads: int = 1
     ) -> InverseResult:
         """Solve poses; arguments, result and errors as for `solve_inverse`."""
-        _whole("threads", threads, 1)
+        if threads == 1 and (q0 is None or getattr(q0, "ndim", 0) == 1):
+            found = self._one(T, q0, preferred)
+            if found is not None:
+                return found
+        threads = check_threads(threads)
         goals, lead = _goals(T)
         starts = self._rows("q0", q0, lead)
         if self.limits and q0 is not None:
@@ -134,31 +153,43 @@ class InverseSolver:
         if not wanted.shape[0] and self.search.criterion:
             middle = self.chain.origin + 0.5 * self.chain.span
             wanted = np.broadcast_to(middle, (goals.shape[0], middle.shape[0])).copy()
-        result = _run(self.chain, self.search, goals, starts, wanted, threads)
-        status, residual = result.status.reshape(lead), result.residual.reshape(lead)
+        q, status, residual, iterations = _run(self.chain, self.search, goals, starts, wanted, threads)
         return InverseResult(
-            result.q.reshape(*lead, len(self.names)), status, residual, result.iterations.reshape(lead)
+            q.reshape(*lead, len(self.names)),
+            status.reshape(lead)[()],
+            residual.reshape(lead)[()],
+            iterations.reshape(lead)[()],
         )
+
+    def _one(self, T: Any, q0: Any, preferred: Any) -> InverseResult | None:
+        """The result for one pose; None where it takes a second look to say what is wrong, or how arrays broadcast."""
+        q, residual = np.empty(len(self.names)), np.empty(1)
+        start = _NONE if q0 is None else q0
+        wanted = start if preferred is None else preferred
+        if wanted is _NONE and self.search.criterion:
+            return None
+        if not all(type(a) is np.ndarray and a.dtype == np.float64 and a.flags.carray for a in (T, start, wanted)):
+            return None
+        if T.ndim != 2 or wanted.ndim != 1:
+            return None
+        code = _solve_one()(*self.packed, self.limits, T, start, wanted, q, residual)
+        if code < 0:
+            return None
+        return tuple.__new__(InverseResult, (q, _STATUS[code & 3], residual[0], np.int64(code >> 2)))
 
     def _rows(self, name: str, q: ArrayLike | None, lead: tuple[int, ...]) -> Array:
         """Joint vectors (N, n), one per pose; (0, n) if there are none."""
         n = len(self.names)
         if q is None:
             return np.empty((0, n))
+        given = joint_vectors(name, q, self.names)
         try:
-            given = np.asarray(q, dtype=float)
-            if given.shape[-1:] != (n,):
-                raise ValueError
-            rows = np.array(np.broadcast_to(given, (*lead, n))).reshape(-1, n)
-        except (TypeError, ValueError):
+            return np.array(np.broadcast_to(given, (*lead, n))).reshape(-1, n)
+        except ValueError:
             raise ShapeError(
                 f"{name} must hold {n} joints per pose, of shape (..., {n}) that goes with the poses' {lead}; "
                 f"shape {np.shape(q)} came"
             ) from None
-        if not np.isfinite(rows).all():
-            row, k = np.argwhere(~np.isfinite(rows))[0]
-            raise ShapeError(f"{name} holds {rows[row, k]} for joint {self.names[k]!r}; finite numbers are needed")
-        return rows
 
     def _check_limits(self, rows: Array, lead: tuple[int, ...]) -> None:
         """Refuse a start outside the limits."""
@@ -171,6 +202,13 @@ class InverseSolver:
                 f"q0 has joint {self.names[k]!r} at {rows[row, k]:.6g}{place}; "
                 f"its limits are {lower[k]:.6g} .. {upper[k]:.6g}. Start inside, or give limits=False"
             )
+
+
+@functools.cache
+def _solve_one() -> Callable[..., int]:
+    from holonom.mechanics.solver_kernels import solve_one  # compiled when it is first asked for
+
+    return solve_one
 
 
 def inverse_solver(
@@ -195,8 +233,12 @@ def inverse_solver(
         raise InputError(f"tolerance is {tolerance}; a positive length of the pose error (m and rad) is needed")
     for name, value, least in (("restarts", restarts, 0), ("steps", steps, 1), ("seed", seed, 0)):
         _whole(name, value, least)
-    search = _search(arm, tolerance, restarts + 1, steps, seed, weights, weights_frame, criterion)
-    return InverseSolver(arm.limits.names, limits, _chain(arm, limits), search)
+    attempts = int(restarts) + 1
+    search = _search(arm, float(tolerance), attempts, int(steps), int(seed), weights, weights_frame, criterion)
+    chain = _chain(arm, limits)
+    whole = [search.task, search.multipliers, search.criterion, search.attempts, search.steps, search.first]
+    packed = np.array(chain), np.array([search.tolerance, *search.weights]), np.array(whole, dtype=np.int64)
+    return InverseSolver(arm.limits.names, bool(limits), chain, search, packed)
 
 
 def _run(chain: Chain, search: Search, goals: Array, starts: Array, wanted: Array, threads: int) -> InverseResult:
@@ -207,18 +249,16 @@ def _run(chain: Chain, search: Search, goals: Array, starts: Array, wanted: Arra
     q, residual = np.empty((count, n)), np.empty(count)
     status, iterations = np.empty(count, np.int8), np.empty(count, np.int64)
 
-    def part(first: int) -> None:
-        last = min(first + size, count)
-        solve_rows(chain, search, *inputs, q.reshape(-1), status, residual, iterations, first, last)
-
     size = max(LEAST_CHUNK, -(-count // (CHUNKS * threads))) if threads > 1 else max(count, 1)
     firsts = range(0, count, size)
-    if threads > 1 and len(firsts) > 1:
-        with ThreadPoolExecutor(threads) as pool:
-            list(pool.map(part, firsts))
-    else:
-        for first in firsts:
-            part(first)
+    waiting = iter(firsts)
+
+    def worker(_: int) -> None:
+        for first in waiting:  # whoever is free takes the next chunk
+            last = min(first + size, count)
+            solve_rows(chain, search, *inputs, q.reshape(-1), status, residual, iterations, first, last)
+
+    share(worker, min(threads, max(len(firsts), 1)))
     return InverseResult(q, status, residual, iterations)
 
 
@@ -313,7 +353,7 @@ def _weights(weights: ArrayLike | None, frame: str | None) -> Array:
         return np.ones(6)
     if frame not in ("world", "tool"):
         raise UnknownName("weights frame", str(frame), ("world", "tool"))
-    w = np.asarray(weights, dtype=float)
+    w = real_array("weights", weights)
     if w.shape != (6,) or not np.isfinite(w).all() or w.min() < 0.0 or w.max() == 0.0:
         raise ShapeError(f"weights must be six numbers of at least 0, not all 0 (0: free); {weights} came")
     return w

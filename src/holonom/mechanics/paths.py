@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from holonom.errors import InputError, ShapeError
 from holonom.mechanics.arm import Arm, IkResult, IkStatus
 from holonom.mechanics.inverse_geometry import LIMIT_TOLERANCE, REACHED, pose_error
+from holonom.mechanics.nearest import joint_vectors
 
 __all__ = ["BranchPath", "feasible_branches", "follow"]
 
@@ -65,9 +66,9 @@ def follow(arm: Arm, T: ArrayLike, q0: ArrayLike, *, jump: float = JUMP) -> Bran
         T or q0 of another shape; no closed form for this arm.
     """
     found = _solutions(arm, T, jump)
-    start = np.asarray(q0, dtype=float)
-    if start.shape != (arm.n,) or not np.isfinite(start).all():
-        raise ShapeError(f"q0 must be finite and of shape ({arm.n},); shape {start.shape} came")
+    start = joint_vectors("q0", q0, arm.limits.names)
+    if start.ndim != 1:
+        raise ShapeError(f"q0 must be of shape ({arm.n},); shape {start.shape} came")
     first = _turned(arm, found.q[0], start)
     apart = np.abs(first - start).max(-1) + np.where(found.status[0] == IkStatus.UNREACHABLE, np.inf, 0.0)
     k = int(np.argmin(apart))

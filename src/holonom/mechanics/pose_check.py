@@ -6,9 +6,9 @@ import numpy as np
 from numba import boolean, float64, njit
 from numpy.typing import NDArray
 
-__all__ = ["is_rigid"]
+from holonom.spatial.poses import RIGID
 
-TOLERANCE = 1e-6
+__all__ = ["is_rigid"]
 
 
 @njit(boolean(float64[:, ::1]), cache=True, error_model="numpy")
@@ -19,7 +19,7 @@ def is_rigid(T: NDArray[np.float64]) -> bool:
     for i in range(3):
         for j in range(i + 1):
             dot = T[i, 0] * T[j, 0] + T[i, 1] * T[j, 1] + T[i, 2] * T[j, 2]
-            if not abs(dot - (1.0 if i == j else 0.0)) <= TOLERANCE:
+            if not abs(dot - (1.0 if i == j else 0.0)) <= RIGID:
                 return False
         if not abs(T[i, 3]) < np.inf:
             return False

@@ -12,7 +12,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Final
 
@@ -35,7 +34,7 @@ from holonom.mechanics.simulate_setup import (
     time_grid,
     vector_of,
 )
-from holonom.trace import Kernel
+from holonom.trace import check_threads, real_array, share
 
 __all__ = [
     "METHODS",
@@ -126,8 +125,10 @@ def simulate(
     every
         Steps per stored sample.
     friction
-        Whether joint friction is in; by default where the model has any. Coulomb friction switches with the sign of
-        the speed: fixed steps chatter by a step's worth around rest, and adaptive ones become short there.
+        Whether joint friction is in; by default where the model has any. With the fixed-step methods a joint that
+        stands keeps standing while what drives it stays below its Coulomb torque, and friction never gives energy; a
+        step in which a joint stops or turns back is of first order. The adaptive method knows no stiction: friction
+        has the sign of the speed, and steps become short where a joint comes to rest.
     payload
         Mass at the tool point (kg), or (4,): mass and its place in the tool frame (m). The controller does not know it.
     wrench, wrench_frame
@@ -224,7 +225,7 @@ def simulate_ensemble(
         raise InputError("the starts q0 differ, so there is no one reference to hold; give the controller's reference=")
     reference = reference_of(arm, controller, starts[0])(grid.halves)
     parameters = np.broadcast_to(loop.parameters, (count, loop.parameters.shape[1])).copy()
-    _lanes(loop.kernel, METHODS[method], grid, (reference, parameters), samples, threads)
+    _lanes(loop, METHODS[method], grid, (reference, parameters), samples, check_threads(threads))
     q, qd, tau = samples
     diverged = ~np.isfinite(q[:, -1] + qd[:, -1]).all(axis=1)
     return Ensemble(grid.samples, q, qd, tau, np.asarray(diverged))
@@ -234,7 +235,7 @@ def _payload(value: ArrayLike | None, masses: tuple[int, ...]) -> Array | None:
     """Rows (K, 4) from masses of the shape `masses` at the tool point, or the payloads as they are."""
     if value is None:
         return None
-    table = np.asarray(value, dtype=np.float64)
+    table = real_array("payload", value)
     if table.ndim != len(masses):
         return table
     return np.stack([table.reshape(-1), *np.zeros((3, table.size))], axis=-1)
@@ -245,6 +246,7 @@ def _compiled(loop: Loop, controller: Law | None, grid: Grid, tableau: Tableau, 
 
     steps = advance_one(
         loop.kernel.address,
+        loop.stiction.address if loop.stiction else 0,
         grid.dt,
         np.array(tableau.nodes),
         np.array(tableau.weights),
@@ -261,20 +263,26 @@ def _compiled(loop: Loop, controller: Law | None, grid: Grid, tableau: Tableau, 
 
 def _interpreted(loop: Loop, controller: TorqueFunction, grid: Grid, tableau: Tableau, found: Simulation) -> None:
     """The same steps as `advance_one`, around a controller in Python."""
+    from holonom.mechanics.simulate_kernels import settle, turns_back
+
     rates = _rates(loop, lambda t, q, qd: _given_torque(controller, t, q, qd))
     x, v = found.q[0].copy(), found.qd[0].copy()
     kx = kv = np.zeros_like(x)
     for step in range((found.t.shape[0] - 1) * grid.every + 1):
-        dx, dv = np.zeros_like(x), np.zeros_like(x)
+        dx, dv, slip = np.zeros_like(x), np.zeros_like(x), np.sign(v)
         for node, weight in zip(tableau.nodes, tableau.weights, strict=True):
             h = node * grid.dt
-            kx, (kv, torque) = v + h * kv, rates(step * grid.dt + h, x + h * kx, v + h * kv)
+            kx, (kv, torque) = v + h * kv, rates(step * grid.dt + h, x + h * kx, v + h * kv, slip)
             if node == 0.0 and step % grid.every == 0:
                 row = step // grid.every
                 found.q[row], found.qd[row], found.tau[row] = x, v, torque
             dx, dv = dx + weight * kx, dv + weight * kv
+        x0, v0 = x, v
         v = v + grid.dt * dv
         x = x + grid.dt * (v if tableau.semi_implicit else dx)
+        if loop.stiction is not None and turns_back(v0, v):
+            B, breakaway = loop.stiction(x0, v0, loop.parameters[0])
+            settle(grid.dt, tableau.semi_implicit, B.reshape(-1), breakaway, x0, v0, x, v)
 
 
 def _adaptive(loop: Loop, controller: Law | TorqueFunction | None, found: Simulation, tolerance: float) -> None:
@@ -288,7 +296,7 @@ def _adaptive(loop: Loop, controller: Law | TorqueFunction | None, found: Simula
         rates = _rates(loop, lambda t, q, qd: _given_torque(controller, t, q, qd))
 
     def derivative(t: float, y: Array) -> Array:
-        return np.concatenate([y[n:], rates(t, y[:n].copy(), y[n:].copy())[0]])
+        return np.concatenate([y[n:], rates(t, y[:n].copy(), y[n:].copy(), np.sign(y[n:]))[0]])
 
     start = np.concatenate([found.q[0], found.qd[0]])
     done = solve_ivp(derivative, (0.0, found.t[-1]), start, "DOP853", found.t, rtol=tolerance, atol=tolerance)
@@ -296,20 +304,20 @@ def _adaptive(loop: Loop, controller: Law | TorqueFunction | None, found: Simula
         raise RunError(f"the adaptive integration stopped at t = {done.t[-1]:.6g} s: {done.message}")
     found.q[:], found.qd[:] = done.y.T[:, :n], done.y.T[:, n:]
     for k, t in enumerate(found.t):
-        found.tau[k] = rates(float(t), found.q[k], found.qd[k])[1]
+        found.tau[k] = rates(float(t), found.q[k], found.qd[k], np.sign(found.qd[k]))[1]
 
 
 def _rates(
     loop: Loop, reference: Callable[[float, Array, Array], Array]
-) -> Callable[[float, Array, Array], tuple[Array, Array]]:
-    """Accelerations and torques at a state, from the one-sample form."""
+) -> Callable[[float, Array, Array, Array], tuple[Array, Array]]:
+    """Accelerations and torques at a state and a direction of slip, from the one-sample form."""
     parameters, n = loop.parameters[0], loop.arm.n
     single = loop.kernel.single
 
-    def rates(t: float, q: Array, qd: Array) -> tuple[Array, Array]:
+    def rates(t: float, q: Array, qd: Array, slip: Array) -> tuple[Array, Array]:
         qdd, tau = np.empty(n), np.empty(n)
         finite = bool(np.isfinite(q + qd).all())
-        if not finite or single(q, qd, reference(t, q, qd), parameters, qdd, tau) != 0:
+        if not finite or single(q, qd, slip, reference(t, q, qd), parameters, qdd, tau) != 0:
             raise RunError(f"the state is no longer finite at t = {t:.6g} s; take a smaller dt or softer gains")
         return qdd, tau
 
@@ -320,13 +328,12 @@ def _given_torque(controller: TorqueFunction, t: float, q: Array, qd: Array) -> 
     return vector_of(f"the controller's torque at t = {t:.6g} s", controller(t, q, qd), q.shape[0])
 
 
-def _lanes(
-    kernel: Kernel, tableau: Tableau, grid: Grid, inputs: tuple[Array, Array], samples: Array, threads: int
-) -> None:
+def _lanes(loop: Loop, tableau: Tableau, grid: Grid, inputs: tuple[Array, Array], samples: Array, threads: int) -> None:
     from holonom.mechanics.simulate_kernels import advance_lanes
     from holonom.trace.emit import LANES
 
-    rows, count = kernel.rows, samples.shape[1]
+    rows, count = loop.kernel.rows, samples.shape[1]
+    stiction = loop.stiction.address if loop.stiction else 0
     nodes, weights = np.array(tableau.nodes), np.array(tableau.weights)
     q, qd, tau = samples
     blocks = -(-count // LANES)
@@ -336,6 +343,7 @@ def _lanes(
     def part(k: int) -> None:
         advance_lanes(
             rows,
+            stiction,
             grid.dt,
             nodes,
             weights,
@@ -350,8 +358,7 @@ def _lanes(
             edges[k + 1],
         )
 
-    with ThreadPoolExecutor(parts) as pool:
-        list(pool.map(part, range(parts)))
+    share(part, parts)
 
 
 def _check_finite(end: float, found: Simulation) -> None:

@@ -13,7 +13,7 @@ from holonom.errors import InputError, OutOfLimits, ShapeError, UnknownName
 from holonom.mechanics.arm import Arm
 from holonom.mechanics.equations.closed_loop import parameter_fields
 from holonom.mechanics.motion.trajectory import Trajectory
-from holonom.trace import Kernel
+from holonom.trace import Kernel, real_array
 
 __all__ = [
     "ComputedTorque",
@@ -63,11 +63,15 @@ Law = PDGravity | ComputedTorque
 
 @dataclass(frozen=True, slots=True)
 class Loop:
-    """The compiled closed loop and its parameters (K, p), K being 1 where nothing varies."""
+    """The compiled closed loop and its parameters (K, p), K being 1 where nothing varies.
+
+    `stiction` decides whether joints stick; None where there is no Coulomb friction.
+    """
 
     arm: Arm
     kernel: Kernel
     parameters: Array
+    stiction: Kernel | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +131,10 @@ def closed_loop_of(
     tables = {name: rows_of(name, values[name], width) for name, width in fields.items()} or {"none": np.zeros((1, 1))}
     count = count_of(tables)
     whole = np.concatenate([np.broadcast_to(table, (count, table.shape[1])) for table in tables.values()], axis=1)
-    return Loop(arm, arm.kernel("closed_loop", **options), whole)
+    rough = [j.friction for j in arm.model.joints if j.friction is not None]
+    sticks = options["friction"] and any(f.coulomb_positive or f.coulomb_negative for f in rough)
+    stiction = arm.kernel("stiction", **options) if sticks else None
+    return Loop(arm, arm.kernel("closed_loop", **options), whole, stiction)
 
 
 def vector_of(name: str, value: ArrayLike, n: int) -> Array:
@@ -140,11 +147,13 @@ def vector_of(name: str, value: ArrayLike, n: int) -> Array:
 
 def rows_of(name: str, value: ArrayLike, width: int) -> Array:
     """`value` as finite rows (K, width); (width,) gives K = 1."""
-    table = np.asarray(value, dtype=np.float64)
+    table = real_array(name, value)
     if table.ndim not in (1, 2) or table.shape[-1] != width:
         raise ShapeError(f"{name} has shape {table.shape}; ({width},) or (K, {width}) is needed")
     if not np.isfinite(table).all():
-        raise ShapeError(f"{name} holds {table[~np.isfinite(table)][0]}; finite numbers are needed")
+        *row, k = (int(i) for i in np.argwhere(~np.isfinite(table))[0])
+        place = f" in row {row[0]}" if row else ""
+        raise ShapeError(f"{name}[{k}] is {table[(*row, k)]}{place}; finite numbers are needed")
     return np.atleast_2d(table)
 
 
@@ -158,7 +167,7 @@ def count_of(tables: Mapping[str, Array]) -> int:
 
 
 def _gains(name: str, value: ArrayLike, n: int) -> Array:
-    gains = np.asarray(value, dtype=np.float64)
+    gains = real_array(name, value)
     if gains.shape not in ((), (n,)) or not np.isfinite(gains).all() or (gains < 0.0).any():
         raise OutOfLimits(f"{name} is {value!r}; give finite gains, not negative: one number or ({n},)")
     return np.broadcast_to(gains, (n,))

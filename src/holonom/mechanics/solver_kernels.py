@@ -14,9 +14,20 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from holonom.mechanics.pose_check import is_rigid
 from holonom.trace.pointer import call_kernel
 
-__all__ = ["LIMIT", "NOT_CONVERGED", "OK", "Chain", "Search", "damped_step", "scratch", "solve_rows"]
+__all__ = [
+    "LIMIT",
+    "NOT_CONVERGED",
+    "OK",
+    "Chain",
+    "Search",
+    "damped_step",
+    "scratch",
+    "solve_one",
+    "solve_rows",
+]
 
 OK, NOT_CONVERGED, LIMIT = 0, 1, 2
 
@@ -261,6 +272,38 @@ def _restart(chain: Any, number: int, q: Floats) -> None:
         q[k] = chain.origin[k] + (u - math.floor(u)) * chain.span[k]
 
 
+@njit(cache=True, error_model="numpy")
+def _solve(chain: Any, search: Any, room: Any, starts: Floats, preferred: Floats, row: int) -> tuple[float, int, bool]:
+    """Solve for the goal in `room.source`, to `room.best`: residual squared, steps taken, whether pressed to limits."""
+    n, given = chain.lower.shape[0], min(starts.shape[0], 1)
+    enough = search.tolerance * search.tolerance
+    least, blocked, total = np.inf, False, 0
+    for attempt in range(search.attempts):
+        if attempt < given:
+            _copy(starts, n * row, n, room.q, 0)
+        else:
+            _restart(chain, search.first + attempt - given, room.q)
+        found, steps, pressed = _descend(chain, search, room)
+        total += steps
+        if found < least:
+            least, blocked = found, pressed
+            _copy(room.q, 0, n, room.best, 0)
+        if found <= enough:
+            break
+    if least <= enough and search.criterion != 0:
+        _copy(preferred, n * row, n, room.posture, n)
+        total += _climb(chain, search, room)
+        _copy(room.q, 0, n, room.best, 0)
+    return _evaluate(search, room.best, room), total, blocked
+
+
+@njit(cache=True, error_model="numpy")
+def _status(search: Any, least: float, blocked: bool) -> int:
+    if least <= search.tolerance * search.tolerance:
+        return OK
+    return LIMIT if blocked else NOT_CONVERGED
+
+
 @njit(cache=True, error_model="numpy", nogil=True)
 def solve_rows(
     chain: Any,
@@ -276,30 +319,59 @@ def solve_rows(
     last: int,
 ) -> None:
     """Solve rows first .. last of goals (12 N,); starts (n N,) or (0,); preferred (n N,) or (0,); to q (n N,)."""
-    n, given = chain.lower.shape[0], min(starts.shape[0], 1)
+    n = chain.lower.shape[0]
     room = scratch(n)
     _copy(search.weights, 0, 6, room.source, n + 12)
-    enough = search.tolerance * search.tolerance
     for row in range(first, last):
         _copy(goals, 12 * row, 12, room.source, n)
-        least, blocked, total = np.inf, False, 0
-        for attempt in range(search.attempts):
-            if attempt < given:
-                _copy(starts, n * row, n, room.q, 0)
-            else:
-                _restart(chain, search.first + attempt - given, room.q)
-            found, steps, pressed = _descend(chain, search, room)
-            total += steps
-            if found < least:
-                least, blocked = found, pressed
-                _copy(room.q, 0, n, room.best, 0)
-            if found <= enough:
-                break
-        if least <= enough and search.criterion != 0:
-            _copy(preferred, n * row, n, room.posture, n)
-            total += _climb(chain, search, room)
-            _copy(room.q, 0, n, room.best, 0)
-        least = _evaluate(search, room.best, room)
+        least, total, blocked = _solve(chain, search, room, starts, preferred, row)
         _copy(room.best, 0, n, q, n * row)
         residual[row], iterations[row] = math.sqrt(least), total
-        status[row] = OK if least <= enough else (LIMIT if blocked else NOT_CONVERGED)
+        status[row] = _status(search, least, blocked)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def solve_one(
+    limits: Floats,
+    numbers: Floats,
+    whole: NDArray[np.int64],
+    bounded: bool,
+    T: Floats,
+    start: Floats,
+    preferred: Floats,
+    q: Floats,
+    residual: Floats,
+) -> int:
+    """Solve for one pose T (4, 4), from `start`: (n,), or (0,) for none, as `preferred`.
+
+    The fields of `Chain` come as the rows of `limits`, those of `Search` as `whole` and `numbers` (tolerance, then
+    weights), for arrays go through faster than records. q (n,) and residual (1,) are written.
+
+    All arrays are C-contiguous, of float64 (`whole`: int64).
+
+    Returns
+    -------
+    Four times the steps plus the status; -1 if T is no pose, or the start not finite or, if `bounded`, not in the
+    limits.
+    """
+    n = limits.shape[1]
+    if start.shape[0] not in (0, n) or preferred.shape[0] not in (0, n) or not is_rigid(T):
+        return -1
+    for x in preferred:
+        if not abs(x) < np.inf:
+            return -1
+    for k in range(start.shape[0]):
+        if not abs(start[k]) < np.inf:
+            return -1
+        if bounded and not limits[0, k] - 1e-9 <= start[k] <= limits[1, k] + 1e-9:
+            return -1
+    chain = Chain(limits[0], limits[1], limits[2], limits[3], limits[4], limits[5])
+    search = Search(whole[0], whole[1], whole[2], numbers[1:], numbers[0], whole[3], whole[4], whole[5])
+    room = scratch(n)
+    for i in range(3):
+        room.source[n + 4 * i : n + 4 * i + 4] = T[i]
+    room.source[n + 12 :] = search.weights
+    least, total, blocked = _solve(chain, search, room, start, preferred, 0)
+    q[:] = room.best
+    residual[0] = math.sqrt(least)
+    return 4 * total + _status(search, least, blocked)

@@ -10,7 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import InputError, ShapeError
 from holonom.mechanics.arm import Arm
+from holonom.mechanics.nearest import joint_vectors
 from holonom.spatial import check_pose
+from holonom.trace import real_array
 
 __all__ = ["PathResult", "follow_path", "joint_rates"]
 
@@ -61,10 +63,7 @@ def joint_rates(
     Nakamura & Hanafusa (1986); Siciliano et al., Robotics, 3.5.2.
     """
     J = arm.jacobian(q, frame)
-    try:
-        wanted = np.asarray(twist, dtype=float)
-    except (TypeError, ValueError) as problem:
-        raise ShapeError(f"twist holds something that is not a number: {problem}") from None
+    wanted = real_array("twist", twist)
     if wanted.shape[-1:] != (6,) or not np.isfinite(wanted).all():
         raise ShapeError(f"twist must be finite and of shape (..., 6), [v; w]; shape {wanted.shape} came")
     return _rates(J, wanted, _damping(damping))
@@ -129,18 +128,11 @@ def follow_path(
 
 
 def _start(arm: Arm, q0: ArrayLike, lead: tuple[int, ...]) -> Array:
+    given = joint_vectors("q0", q0, arm.limits.names)
     try:
-        given = np.asarray(q0, dtype=float)
-        if given.shape[-1:] != (arm.n,):
-            raise ValueError
-        q = np.broadcast_to(given, (*lead, arm.n)).copy()
-    except (TypeError, ValueError):
-        raise ShapeError(
-            f"q0 must be of shape {(*lead, arm.n)} or broadcast to it; shape {np.shape(q0)} came"
-        ) from None
-    if not np.isfinite(q).all():
-        raise ShapeError("q0 holds NaN or infinity; finite joints are needed")
-    return q
+        return np.broadcast_to(given, (*lead, arm.n)).copy()
+    except ValueError:
+        raise ShapeError(f"q0 must broadcast to {(*lead, arm.n)}; shape {given.shape} came") from None
 
 
 def _follow(arm: Arm, start: Array, poses: Array, dt: float, gain: float, damping: float | None) -> PathResult:

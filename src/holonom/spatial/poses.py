@@ -9,9 +9,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import NotAPose
 
-__all__ = ["check_pose", "inverse", "pose"]
+__all__ = ["RIGID", "check_pose", "inverse", "pose"]
 
 Array = NDArray[np.float64]
+RIGID = 1e-6
+"""What an entry of R R^T may differ from the unit matrix's."""
 
 
 def pose(position: ArrayLike = (0.0, 0.0, 0.0), rotation: ArrayLike | None = None) -> Array:
@@ -34,7 +36,7 @@ def inverse(T: Array) -> Array:
 
 
 def check_pose(T: Any, name: str = "pose") -> Array:
-    """Return `T` as a float array (..., 4, 4) if it is a rigid transform to 1e-6.
+    """Return `T` as a float array (..., 4, 4) if it is a rigid transform to `RIGID`.
 
     Raises
     ------
@@ -42,17 +44,20 @@ def check_pose(T: Any, name: str = "pose") -> Array:
         Wrong shape, NaN, a rotation part that is none, or a last row that is not 0 0 0 1.
     """
     try:
-        A = np.asarray(T, dtype=np.float64)
+        given = np.asarray(T)
+        A = given if given.dtype.kind == "c" else np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError) as problem:
         raise NotAPose(f"{name} holds something that is not a number: {problem}") from None
+    if A.dtype.kind == "c":
+        raise NotAPose(f"{name} holds complex numbers; give real ones")
     if A.shape[-2:] != (4, 4):
         raise NotAPose(f"{name} has shape {A.shape}; (..., 4, 4) is needed")
     if not np.isfinite(A).all():
         raise NotAPose(f"{name} holds NaN or infinity")
     error, handed = _orthonormality(A)
-    if error <= 1e-6 and handed <= 0.0:
+    if error <= RIGID and handed <= 0.0:
         raise NotAPose(f"the rotation part of {name} is a mirror (det R = -1); turn one of its axes round")
-    if error > 1e-6:
+    if error > RIGID:
         raise NotAPose(
             f"the rotation part of {name} is no rotation (R R^T differs from I by {error:.1e}); "
             "orthonormalise it, for instance with scipy's Rotation.from_matrix"

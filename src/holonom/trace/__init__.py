@@ -6,6 +6,7 @@
 `derivative`      forward and reverse mode on the graph
 `cuda`            the same straight line for a GPU
 `Graph`           the expression graph, simplified while it is built
+`share`           parts of a batch to threads; `check_threads`, `real_array`: what a caller gave
 `cache_folder`    where generated modules lie
 ================  =======================================================================
 """
@@ -25,6 +26,8 @@ from holonom.trace.functions import (
 )
 from holonom.trace.graph import Condition, Graph, Number, Scalar
 from holonom.trace.kernel import Kernel, compile
+from holonom.trace.real import real_array
+from holonom.trace.threads import check_threads, share
 
 __all__ = [
     "Condition",
@@ -35,13 +38,16 @@ __all__ = [
     "absolute",
     "atan2",
     "cache_folder",
+    "check_threads",
     "compile",
     "cos",
     "less",
     "less_equal",
     "maximum",
     "minimum",
+    "real_array",
     "select",
+    "share",
     "sin",
     "sqrt",
 ]

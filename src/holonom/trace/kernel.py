@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,8 @@ from holonom.errors import ShapeError
 from holonom.trace.cache import load_module
 from holonom.trace.emit import LANES, Field, emit_block, emit_pointer, emit_single, operand, straight_line
 from holonom.trace.graph import Graph, Scalar
+from holonom.trace.real import real_array
+from holonom.trace.threads import check_threads, share
 
 __all__ = ["Kernel", "compile"]
 
@@ -81,9 +83,6 @@ class Kernel:
         self._body = straight_line(graph, [s for values in results.values() for s in values])
         self._results = {key: [operand(graph, s.i) for s in values] for key, values in results.items()}
         self._allocate = [(f.shape, np.dtype(np.int8 if f.integer else np.float64)) for f in outputs]
-        plain = len(outputs) == 1 and not outputs[0].integer
-        self._only_shape = outputs[0].shape if plain else None
-        self._first_ndim = len(inputs[0].shape)
 
     @property
     def operations(self) -> int:
@@ -129,7 +128,7 @@ class Kernel:
         out
             Array (or tuple of arrays, for several outputs) to write into, C-contiguous, of the result's shape.
         threads
-            Threads that share a batch.
+            Threads that share a batch, 1 or more.
 
         Returns
         -------
@@ -139,50 +138,51 @@ class Kernel:
         ------
         ShapeError
             Wrong shape or type, NaN or infinity: the message names the input and the row.
+        InputError
+            `threads` is no whole number of at least 1.
         """
-        # Rows would make the one-sample form raise its TypeError, which costs more than a thousand samples.
-        if getattr(arrays[0] if arrays else None, "ndim", 0) != self._first_ndim:
-            return self._general(arrays, out, threads)
-        try:
-            if self._only_shape is not None:  # one output, the common case: no tuple is made
-                result = np.empty(self._only_shape) if out is None else out
-                if self.single(*arrays, result) == 0:
-                    return result
-            else:
-                results = [np.empty(s, d) for s, d in self._allocate] if out is None else list(out)
-                if self.single(*arrays, *results) == 0:
-                    return tuple(results)
-        except TypeError:
-            pass
-        return self._general(arrays, out, threads)
+        return self.call(*arrays, out=out, threads=threads)
+
+    @functools.cached_property
+    def call(self) -> Callable[..., Any]:
+        """Calling the kernel, as a plain function: Python's way to `__call__` costs as much as a small kernel."""
+        return _caller(self, self._general, len(self.inputs[0].shape), self._allocate)
 
     def _general(self, arrays: Sequence[Any], out: Any, threads: int) -> Any:
         """Check, broadcast and evaluate whatever the one-sample form did not take."""
+        threads = check_threads(threads)
         if len(arrays) != len(self.inputs):
             raise ShapeError(
                 f"{self.name} takes {len(self.inputs)} arrays ({', '.join(f.name for f in self.inputs)}); "
                 f"{len(arrays)} came"
             )
-        rows, lead = self._rows_of(arrays)
-        count = rows[0].shape[0]
+        rows, lead = self._plain_rows(arrays) or self._rows_of(arrays)
+        count = len(rows[0])
         if out is None:
             results = [np.empty((*lead, *shape), dtype) for shape, dtype in self._allocate]
         else:
             results = list(out if isinstance(out, tuple) else (out,))
             self._check_out(results, lead)
-        flat = [r.reshape(count, f.width) for r, f in zip(results, self.outputs, strict=True)]
+        flat = [
+            r if r.ndim == 2 and len(f.shape) == 1 else r.reshape(count, f.width)
+            for r, f in zip(results, self.outputs, strict=True)
+        ]
         if count and self._evaluate(rows, flat, count, threads) != 0.0:
             self._name_nonfinite(rows, lead)
         return results[0] if len(results) == 1 else tuple(results)
 
-    def _rows_of(self, arrays: Sequence[Any]) -> tuple[list[Array], tuple[int, ...]]:
-        """Return the inputs as C-contiguous rows (N, width) and the leading axes they share."""
-        given = []
+    def _plain_rows(self, arrays: Sequence[Any]) -> tuple[Sequence[Array], tuple[int, ...]] | None:
+        """The inputs, if all are rows (N, width) as the batch form takes them: the short cut of small batches."""
         for f, a in zip(self.inputs, arrays, strict=True):
-            try:
-                given.append(np.asarray(a, dtype=np.float64))
-            except (TypeError, ValueError) as problem:
-                raise ShapeError(f"{f.name} holds something that is not a number: {problem}") from None
+            if type(a) is not np.ndarray or a.dtype != np.float64 or not a.flags.carray:
+                return None
+            if a.ndim != 2 or len(f.shape) != 1 or a.shape != (len(arrays[0]), f.width):
+                return None
+        return arrays, (len(arrays[0]),)
+
+    def _rows_of(self, arrays: Sequence[Any]) -> tuple[Sequence[Array], tuple[int, ...]]:
+        """Return the inputs as C-contiguous rows (N, width) and the leading axes they share."""
+        given = [real_array(f.name, a) for f, a in zip(self.inputs, arrays, strict=True)]
         for f, a in zip(self.inputs, given, strict=True):
             if a.shape[max(a.ndim - len(f.shape), 0) :] != f.shape:
                 wanted = ", ".join(["...", *map(str, f.shape)])
@@ -193,7 +193,7 @@ class Kernel:
         except ValueError:
             named = ", ".join(f"{f.name} {a.shape}" for f, a in zip(self.inputs, given, strict=True))
             raise ShapeError(f"leading axes do not go together: {named}") from None
-        count = int(np.prod(lead, dtype=np.int64))
+        count = math.prod(lead)
         rows = []
         for f, a in zip(self.inputs, given, strict=True):
             whole = a if a.shape == (*lead, *f.shape) else np.broadcast_to(a, (*lead, *f.shape))
@@ -219,9 +219,8 @@ class Kernel:
         if parts == 1:
             return self.rows(*rows, *flat, 0, count)
         edges = [min(count, LANES * (blocks * k // parts)) for k in range(parts + 1)]
-        with ThreadPoolExecutor(parts) as pool:
-            checks = pool.map(lambda k: self.rows(*rows, *flat, edges[k], edges[k + 1]), range(parts))
-            return sum(checks)
+        run, given = self.rows, (*rows, *flat)
+        return sum(share(lambda k: run(*given, edges[k], edges[k + 1]), parts))
 
     def _name_nonfinite(self, rows: Sequence[Array], lead: tuple[int, ...]) -> None:
         for f, a in zip(self.inputs, rows, strict=True):
@@ -230,3 +229,43 @@ class Kernel:
                 row, slot = bad[0]
                 place = f" in row {tuple(int(k) for k in np.unravel_index(row, lead))}" if lead else ""
                 raise ShapeError(f"{f.name}[{slot}] is {a[row, slot]}{place}; finite numbers are needed")
+
+
+def _caller(
+    kernel: Kernel, general: Callable[..., Any], ndim: int, outputs: Sequence[tuple[tuple[int, ...], Any]]
+) -> Callable[..., Any]:
+    """One sample at once, or else the general way; the one-sample form is loaded when it is first needed.
+
+    Rows would make the one-sample form raise its TypeError, which costs more than a thousand samples: hence `ndim`.
+    """
+    empty, single = np.empty, None
+    shapes, kinds = zip(*outputs, strict=True)
+    shape, kind = outputs[0]
+
+    def one_output(*arrays: Any, out: Any = None, threads: int = 1) -> Any:
+        nonlocal single
+        try:
+            if arrays[0].ndim == ndim and threads == 1:
+                if single is None:
+                    single = kernel.single
+                result = empty(shape, kind) if out is None else out
+                if single(*arrays, result) == 0:
+                    return result
+        except (TypeError, AttributeError, IndexError):
+            pass
+        return general(arrays, out, threads)
+
+    def several_outputs(*arrays: Any, out: Any = None, threads: int = 1) -> Any:
+        nonlocal single
+        try:
+            if arrays[0].ndim == ndim and threads == 1:
+                if single is None:
+                    single = kernel.single
+                results = tuple(map(empty, shapes, kinds) if out is None else out)
+                if single(*arrays, *results) == 0:
+                    return results
+        except (TypeError, AttributeError, IndexError):
+            pass
+        return general(arrays, out, threads)
+
+    return one_output if len(outputs) == 1 else several_outputs

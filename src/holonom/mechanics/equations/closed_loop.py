@@ -10,15 +10,23 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from holonom.mechanics.equations import kinematics
+from holonom.mechanics.equations import composite_body, kinematics
 from holonom.mechanics.equations.forward_dynamics import forward_dynamics
 from holonom.mechanics.equations.inertia import Inertial, merged, point_mass
-from holonom.mechanics.equations.newton_euler import friction_torque, inverse_dynamics
+from holonom.mechanics.equations.newton_euler import coulomb_torque, inverse_dynamics
 from holonom.mechanics.equations.vectors import Vector, add, matvec, scale, sub, tvec
 from holonom.model import ArmModel
 from holonom.trace import Kernel, Number, compile
 
-__all__ = ["LAWS", "LawEquation", "closed_loop", "closed_loop_kernel", "parameter_fields", "varied_bodies"]
+__all__ = [
+    "LAWS",
+    "LawEquation",
+    "closed_loop",
+    "closed_loop_kernel",
+    "parameter_fields",
+    "stiction_kernel",
+    "varied_bodies",
+]
 
 
 def _torque(model: ArmModel, bodies: Sequence[Inertial], q: Vector, qd: Vector, reference: Vector, gains: Vector,
@@ -42,8 +50,8 @@ def _computed_torque(model: ArmModel, bodies: Sequence[Inertial], q: Vector, qd:
     """
     n = len(q)
     u = add(reference[2 * n :], _correction(q, qd, reference, gains))
-    tau = inverse_dynamics(model, bodies, q, qd, u)
-    return add(tau, _friction(model, reference[n : 2 * n], [1.0] * len(model.joints))) if friction else tau
+    tau, speed = inverse_dynamics(model, bodies, q, qd, u), reference[n : 2 * n]
+    return add(tau, _friction(model, speed, speed, [1.0] * len(model.joints))) if friction else tau
 
 
 def _correction(q: Vector, qd: Vector, reference: Vector, gains: Vector) -> list[Number]:
@@ -96,13 +104,19 @@ def closed_loop(
     state: tuple[Vector, Vector],
     reference: Vector,
     part: Mapping[str, Vector],
+    slip: Vector,
 ) -> tuple[list[Number], list[Number]]:
-    """Joint accelerations, and the law's torques; `part` maps each of `parameter_fields` to its numbers."""
+    """Joint accelerations, and the law's torques; `part` maps each of `parameter_fields` to its numbers.
+
+    Coulomb friction acts against `slip`, whatever the speeds: an integrator holds its direction over a step. It is zero
+    where `slip` is.
+    """
     q, qd = state
     tau = LAWS[options["law"]].torque(model, bodies, q, qd, reference, part["gains"], options["friction"])
     drive = tau
     if options["friction"]:
-        drive = sub(tau, _friction(model, qd, part.get("friction", [1.0] * len(model.joints))))
+        factors = part.get("friction", [1.0] * len(model.joints))
+        drive = sub(tau, _friction(model, qd, slip, factors))
     wrench = None
     if options["wrench_frame"]:
         wrench = _in_tool(model, q, part["wrench"], options["wrench_frame"])
@@ -110,27 +124,63 @@ def closed_loop(
 
 
 def closed_loop_kernel(model: ArmModel, bodies: Sequence[Inertial], options: Mapping[str, Any]) -> Kernel:
-    """Compile `closed_loop`: inputs q, qd (n), reference, parameters; outputs qdd, tau (n).
+    """Compile `closed_loop`: inputs q, qd, slip (n), reference, parameters; outputs qdd, tau (n).
 
     Options: law (a name in `LAWS`), varied (among "payload", "masses", "friction"), friction, wrench_frame.
     """
     n, fields = len(model.independent), parameter_fields(model, options)
-    width = max(sum(fields.values()), 1)
 
-    def equation(q: Vector, qd: Vector, reference: Vector, parameters: Vector) -> tuple[list[Number], list[Number]]:
-        part, first = {}, 0
-        for name, count in fields.items():
-            part[name], first = parameters[first : first + count], first + count
-        return closed_loop(model, bodies, options, (q, qd), reference, part)
+    def equation(
+        q: Vector, qd: Vector, slip: Vector, reference: Vector, parameters: Vector
+    ) -> tuple[list[Number], list[Number]]:
+        return closed_loop(model, bodies, options, (q, qd), reference, _parts(fields, parameters), slip)
 
-    inputs = {"q": n, "qd": n, "reference": LAWS[options["law"]].reference * n, "parameters": width}
+    inputs = {"q": n, "qd": n, "slip": n, "reference": LAWS[options["law"]].reference * n, "parameters": _width(fields)}
     return compile(equation, inputs, {"qdd": n, "tau": n}, name=f"{model.name}_closed_loop_{options['law']}")
 
 
-def _friction(model: ArmModel, qd: Vector, factors: Vector) -> list[Number]:
+def stiction_kernel(model: ArmModel, bodies: Sequence[Inertial], options: Mapping[str, Any]) -> Kernel:
+    """Compile what decides whether joints stick: q, qd (n), parameters -> B (n, n), breakaway (2 n) of the plant.
+
+    The latter: Coulomb torques at the speeds qd against motion in the positive direction, then in the negative one.
+    """
+    n, fields = len(model.independent), parameter_fields(model, options)
+
+    def equation(q: Vector, qd: Vector, parameters: Vector) -> list[list[Number]]:
+        part = _parts(fields, parameters)
+        factors = part.get("friction", [1.0] * len(model.joints))
+        B = composite_body.mass_matrix(model, varied_bodies(model, bodies, part), q)
+        forward, backward = (_coulomb(model, qd, [way] * n, factors) for way in (1.0, -1.0))
+        return [[v for row in B for v in row], [*forward, *(-1.0 * f for f in backward)]]
+
+    inputs = {"q": n, "qd": n, "parameters": _width(fields)}
+    return compile(equation, inputs, {"B": (n, n), "breakaway": 2 * n}, name=f"{model.name}_stiction")
+
+
+def _width(fields: Mapping[str, int]) -> int:
+    return max(sum(fields.values()), 1)
+
+
+def _parts(fields: Mapping[str, int], parameters: Vector) -> dict[str, Vector]:
+    part, first = {}, 0
+    for name, count in fields.items():
+        part[name], first = parameters[first : first + count], first + count
+    return part
+
+
+def _friction(model: ArmModel, qd: Vector, slip: Vector, factors: Vector) -> list[Number]:
     rates = kinematics.spread(model, qd, rates=True)
-    torque = [k * friction_torque(j.friction, u) for k, j, u in zip(factors, model.joints, rates, strict=True)]
-    return kinematics.gather(model, torque)
+    viscous = [
+        0.0 if j.friction is None else k * j.friction.viscous * u
+        for k, j, u in zip(factors, model.joints, rates, strict=True)
+    ]
+    return add(kinematics.gather(model, viscous), _coulomb(model, qd, slip, factors))
+
+
+def _coulomb(model: ArmModel, qd: Vector, slip: Vector, factors: Vector) -> list[Number]:
+    rates, slips = kinematics.spread(model, qd, rates=True), kinematics.spread(model, slip, rates=True)
+    each = zip(factors, model.joints, rates, slips, strict=True)
+    return kinematics.gather(model, [k * coulomb_torque(j.friction, u, s) for k, j, u, s in each])
 
 
 def _in_tool(model: ArmModel, q: Vector, wrench: Vector, frame: str) -> list[Number]:

@@ -26,7 +26,12 @@ from holonom.mechanics.equations.subproblems import (
 from holonom.mechanics.equations.vectors import Vector, cross, dot, scale, sub
 from holonom.trace import Number, absolute, atan2, cos, less, less_equal, maximum, minimum, select, sqrt
 
-__all__ = ["general", "quartic_roots"]
+__all__ = ["NAMES", "general", "quartic_roots"]
+
+NAMES = ("det+ first", "det+ second", "det- first", "det- second")
+COMPLEX = 1e-4
+"""Imaginary part of q3 (rad, about) from where on two roots are a complex pair, and no double root but for rounding."""
+
 
 POLISH = 4
 """Newton steps on the circle after the closed form, each of at most 0.1 rad."""
@@ -47,17 +52,44 @@ class _Line(NamedTuple):
 
 
 def general(screws: Sequence[Screw], c: Vector, w: Vector) -> list[Branch]:
-    """Four branches, in no order; those of a complex pair do not reach w."""
+    """Four branches, in the order of `NAMES`.
+
+    First come those in which the determinant of the point's Jacobian is positive, then the negative ones. A pair of
+    roots that meet and part has one of each, so that reached branches keep this half as long as they are not singular;
+    there are as many of the one as of the other. Within a half, that with the smaller q3 in (-pi, pi) from the home
+    position comes first, and roots of a complex pair, which do not reach w, come last.
+    """
     first, second, third = screws
     target, d = sub(w, first.p), sub(second.p, first.p)
     u, v, free = _first_turn(screws, c, target, d)
-    branches = []
-    for q3 in _on_circle(u, v):
+    placed = []
+    for k, (q3, real) in enumerate(_on_circle(u, v)):
         back, _ = unit(u.at(q3), v.at(q3))
-        x = sub(moved(third, q3, c), second.p)
-        q2, loose = turn_onto(second.h, x, sub(rotated(first.h, back, target), d), second.rest)
-        branches.append(Branch([reverse(back), q2, q3], free | loose))
-    return branches
+        y, x = sub(rotated(first.h, back, target), d), sub(moved(third, q3, c), second.p)
+        q2, loose = turn_onto(second.h, x, y, second.rest)
+        lever = rotated(second.h, q2, cross(third.h, sub(moved(third, q3, c), third.p)))
+        determinant = dot(cross(cross(first.h, [a + b for a, b in zip(y, d, strict=True)]), cross(second.h, y)), lever)
+        half = select(real, select(less(determinant, 0.0), 1.0, 0.0), float(k % 2))
+        place = 8.0 * half + select(real, _round_order(q3), 3.0)
+        placed.append((place, Branch([reverse(back), q2, q3], free | loose)))
+    return _in_order(placed)
+
+
+def _round_order(t: Turn) -> Number:
+    """A number in [-2, 2] that grows with the angle from -pi to pi."""
+    return select(less(t.s, 0.0), t.c - 1.0, 1.0 - t.c)
+
+
+def _in_order(placed: Sequence[tuple[Number, Branch]]) -> list[Branch]:
+    """Four branches by their places: a sorting network, for a traced program has no other."""
+    rows = [[place, *(x for turn in b.values for x in turn), select(b.free, 1.0, 0.0)] for place, b in placed]  # type: ignore[union-attr]
+    for i, j in ((0, 1), (2, 3), (0, 2), (1, 3), (1, 2)):
+        over = less(rows[j][0], rows[i][0])
+        both = list(zip(rows[i], rows[j], strict=True))
+        rows[i], rows[j] = [select(over, b, a) for a, b in both], [select(over, a, b) for a, b in both]
+    return [
+        Branch([Turn(c1, s1), Turn(c2, s2), Turn(c3, s3)], less(0.5, free)) for _, c1, s1, c2, s2, c3, s3, free in rows
+    ]
 
 
 def _first_turn(screws: Sequence[Screw], c: Vector, target: Vector, d: Vector) -> tuple[_Line, _Line, Truth]:
@@ -80,8 +112,8 @@ def _first_turn(screws: Sequence[Screw], c: Vector, target: Vector, d: Vector) -
     return u, v, free
 
 
-def _on_circle(u: _Line, v: _Line) -> list[Turn]:
-    """The four turns with u^2 + v^2 = 1.
+def _on_circle(u: _Line, v: _Line) -> list[tuple[Turn, Truth]]:
+    """The four turns with u^2 + v^2 = 1, and whether they are real; of a complex pair the real part, twice.
 
     The half-angle's tangent makes a quartic. Its leading coefficient is the function opposite to where angles are
     counted from: of five places round the circle one has it large, for five values determine such a function.
@@ -101,7 +133,13 @@ def _on_circle(u: _Line, v: _Line) -> list[Turn]:
         2.0 * (u1 * u0 + v1 * v0) * lead,
         (u0 * u0 + v0 * v0 - 1.0) * lead,
     )
-    return [_polished(u, v, followed_by(start, unit(1.0 - t * t, 2.0 * t)[0])) for t in roots]
+    found = []
+    for t, imaginary in roots:
+        q3 = followed_by(start, unit(1.0 - t * t, 2.0 * t)[0])
+        polished, real = _polished(u, v, q3), less_equal(imaginary, COMPLEX * (t * t + 1.0))
+        # Polished, a complex root would slide to a real one and stand there twice.
+        found.append((Turn(select(real, polished.c, q3.c), select(real, polished.s, q3.s)), real))
+    return found
 
 
 def _residual(u: _Line, v: _Line, t: Turn) -> Number:
@@ -124,8 +162,8 @@ def _polished(u: _Line, v: _Line, t: Turn) -> Turn:
     return t
 
 
-def quartic_roots(a: Number, b: Number, c: Number, d: Number) -> list[Number]:
-    """Roots of t^4 + a t^3 + b t^2 + c t + d (Ferrari); of a complex pair the real part, twice."""
+def quartic_roots(a: Number, b: Number, c: Number, d: Number) -> list[tuple[Number, Number]]:
+    """Roots of t^4 + a t^3 + b t^2 + c t + d (Ferrari): real parts, and magnitudes of the imaginary ones."""
     p = b - 0.375 * a * a
     q = c + a * (0.125 * a * a - 0.5 * b)
     r = d + a * (a * (0.0625 * b - 0.01171875 * a * a) - 0.25 * c)
@@ -133,10 +171,11 @@ def quartic_roots(a: Number, b: Number, c: Number, d: Number) -> list[Number]:
     alpha = sqrt(z)
     beta = sqrt(maximum(z * (z + 2.0 * p) + p * p - 4.0 * r, 0.0))  # |q| / alpha, without its 0 / 0
     beta = select(less(q, 0.0), -beta, beta)
-    roots: list[Number] = []
+    roots: list[tuple[Number, Number]] = []
     for middle, product in ((-alpha, p + z - beta), (alpha, p + z + beta)):
-        root = sqrt(maximum(z - 2.0 * product, 0.0))
-        roots += [0.5 * (middle + root) - 0.25 * a, 0.5 * (middle - root) - 0.25 * a]
+        square = z - 2.0 * product
+        root, imaginary = sqrt(maximum(square, 0.0)), 0.5 * sqrt(maximum(-square, 0.0))
+        roots += [(0.5 * (middle + way) - 0.25 * a, imaginary) for way in (root, -root)]
     return roots
 
 

@@ -15,18 +15,25 @@ from holonom.trace import Number, less, select
 _Wrench = tuple[list[Number], list[Number]]
 """Force and moment."""
 
-__all__ = ["friction_slope", "friction_torque", "inverse_dynamics"]
+__all__ = ["coulomb_torque", "friction_slope", "friction_torque", "inverse_dynamics"]
 
 
 def friction_torque(friction: Friction | None, qd: Number) -> Number:
-    """Fv qd + Fs sgn(qd), with its own Coulomb torque for either direction; zero at rest.
+    """Fv qd + Fs sgn(qd), with its own Coulomb torque for either direction; zero at rest."""
+    if friction is None:
+        return 0.0
+    return friction.viscous * qd + coulomb_torque(friction, qd, qd)
+
+
+def coulomb_torque(friction: Friction | None, qd: Number, slip: Number) -> Number:
+    """Fs sgn(slip): Coulomb friction at the speed qd of a joint that slips, or is about to, in the direction of `slip`.
 
     Where the model states a Stribeck speed v_s, Fs grows towards rest by 1 + (ratio - 1) / (1 + (qd / v_s)^2) (Hess &
     Soom 1990).
     """
     if friction is None:
         return 0.0
-    return friction.viscous * qd + _coulomb(friction, qd) * _stribeck(friction, qd)
+    return _coulomb(friction, slip) * _stribeck(friction, qd)
 
 
 def friction_slope(friction: Friction | None, qd: Number) -> Number:

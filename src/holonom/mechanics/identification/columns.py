@@ -42,7 +42,7 @@ def regressor(
 
     Source: Siciliano et al., Robotics, eq. 7.81; Atkeson, An, Hollerbach 1986.
     """
-    result: Array = arm.kernel("regressor")(q, qd, qdd, out=out, threads=threads)
+    result: Array = arm.calls["regressor"](q, qd, qdd, out=out, threads=threads)
     return result
 
 

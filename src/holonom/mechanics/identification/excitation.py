@@ -21,6 +21,7 @@ Array = NDArray[np.float64]
 
 MARGIN = 0.98  # of every limit that is used: the series is checked on a grid, and moves a little further between
 GRID = 40  # samples per period of the fastest harmonic at which limits are checked
+HALVINGS = 10  # of the interval in which the largest amplitude that keeps the torque limits lies
 SAMPLES = 8  # the same for the regressor
 
 
@@ -54,7 +55,8 @@ def excitation(
     duration : of one period, s.
     harmonics : sines and cosines per joint, at least 2.
     dt : time between the samples of the trajectory, s.
-    use : which part of each limit (range, speed, acceleration) may be used, in (0, 1].
+    use : which part of each limit (range, speed, acceleration, torque) may be used, in (0, 1]. Torques are those of the
+        model, where it states inertias: take less where it may be far off.
     friction : whether friction is to be identified too.
     trials : motions to try.
     seed : of the random numbers.
@@ -64,7 +66,8 @@ def excitation(
     OutOfLimits
         `use` outside (0, 1].
     InputError
-        Fewer than two harmonics, no trials, or a `dt` that does not resolve the fastest harmonic.
+        Fewer than two harmonics, no trials, or a `dt` that does not resolve the fastest harmonic; no motion that was
+        tried keeps the torque limits.
     """
     if not 0.0 < use <= 1.0:
         raise OutOfLimits(f"use = {use}; give the part of the limits that may be used, above 0 and up to 1")
@@ -78,6 +81,11 @@ def excitation(
     condition = condition_number(arm, base)
     coarse = np.linspace(0.0, duration, SAMPLES * harmonics, endpoint=False)
     best, value = _search(lambda c: condition(*series.motion(c, coarse)), (arm.n, 2 * harmonics + 1), trials, seed)
+    if not np.isfinite(value):
+        raise InputError(
+            f"none of {trials} motions keeps the torque limits of arm {arm.model.name!r}: gravity alone exceeds them "
+            f"where it was tried; check the limits against arm.gravity(q), or give more trials than {trials}"
+        )
     time = np.arange(round(duration / dt) + 1) * dt
     return Excitation(Trajectory(dt, *series.motion(best, time)), value, base)
 
@@ -94,7 +102,7 @@ def condition_number(arm: Arm, base: BaseParameters) -> Callable[[Array, Array, 
 
     def condition(q: Array, qd: Array, qdd: Array) -> float:
         W = (rows(q, qd, qdd)[..., base.columns] * weight[:, None]).reshape(-1, base.number)
-        return float(np.linalg.cond(W / base.scale))
+        return float(np.linalg.cond(W / base.scale)) if qd.any() else np.inf
 
     return condition
 
@@ -107,6 +115,8 @@ class _Series:
         self._use, self._harmonics = use, np.arange(1, harmonics + 1)
         self._w = 2 * np.pi / duration * self._harmonics
         self._grid = np.linspace(0.0, duration, GRID * harmonics, endpoint=False)
+        self._torque = arm.limits.torque if arm.model.bodies is not None else np.full(arm.n, np.inf)
+        self._arm = arm
 
     def motion(self, c: Array, time: NDArray[Any]) -> tuple[Array, Array, Array]:
         """q, qd, qdd (N, n) for coefficients (n, 2 L + 1): amplitudes of speed, and where in its range a joint moves.
@@ -128,8 +138,26 @@ class _Series:
         )
         free = room - factor * (high - low)
         middle = 0.5 * (self._upper + self._lower) + 0.5 * np.tanh(place[:, 0]) * free
+        factor *= self._within_torque(middle, factor * (q - 0.5 * (low + high)), factor * qd, factor * qdd)
         q, qd, qdd = self._sums(a, b, time)
         return middle + factor * (q - 0.5 * (low + high)), factor * qd, factor * qdd
+
+    def _within_torque(self, middle: Array, q: Array, qd: Array, qdd: Array) -> float:
+        """The largest part of a motion about `middle` that keeps the torque limits; 0 if rest does not."""
+        if not np.isfinite(self._torque).any():
+            return 1.0
+
+        def fits(part: float) -> bool:
+            tau = self._arm.inverse_dynamics(middle + part * q, part * qd, part * qdd)
+            return bool((np.abs(tau) <= self._use * self._torque).all())
+
+        low, high = 0.0, 1.0
+        if fits(high):
+            return high
+        for _ in range(HALVINGS):
+            part = 0.5 * (low + high)
+            low, high = (part, high) if fits(part) else (low, part)
+        return low
 
     def _sums(self, a: Array, b: Array, time: NDArray[Any]) -> tuple[Array, Array, Array]:
         angle = time[:, None] * self._w

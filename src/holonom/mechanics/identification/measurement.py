@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.signal import butter, sosfiltfilt
 
 from holonom.errors import InputError, ShapeError
+from holonom.trace import real_array
 
 __all__ = ["Equations", "equations_of", "state"]
 
@@ -97,7 +98,7 @@ def _low_pass(x: Array, cutoff: float, dt: float) -> Array:
 
 
 def _finite(name: str, values: ArrayLike, axes: int) -> Array:
-    array = np.asarray(values, dtype=np.float64)
+    array = real_array(name, values)
     if array.ndim != axes or not np.isfinite(array).all():
         raise ShapeError(f"{name} has shape {array.shape}; finite numbers on {axes} axes are needed")
     return array

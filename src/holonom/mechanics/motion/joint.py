@@ -17,6 +17,7 @@ from holonom.mechanics.motion.trajectory import (
     joint_vector,
     standstill,
 )
+from holonom.trace import real_array
 
 __all__ = ["plan_joint"]
 
@@ -86,7 +87,7 @@ def plan_joint(
         1.0,
         speed * least(limits.speed),
         acceleration * least(limits.acceleration),
-        least(np.broadcast_to(np.asarray(jerk, dtype=np.float64), (n,))),
+        least(np.broadcast_to(real_array("jerk", jerk), (n,))),
         profile=profile,
     )
     (s, ds, dds), brake = on_grid(law, dt)

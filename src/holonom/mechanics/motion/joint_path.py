@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import MotionError, OutOfLimits, ShapeError
+from holonom.trace import real_array
 
 __all__ = ["JointPath", "check_smooth", "joint_spline", "place_of"]
 
@@ -47,12 +48,12 @@ def joint_spline(points: ArrayLike, *, degree: int = 3, s: ArrayLike | None = No
     """
     from scipy.interpolate import CubicSpline, PPoly, make_interp_spline
 
-    q = np.asarray(points, dtype=np.float64)
+    q = real_array("points", points)
     if q.ndim != 2 or q.shape[0] < 2 or not np.isfinite(q).all():
         raise ShapeError(f"points have shape {q.shape}; give at least two finite configurations, (k, n)")
     if degree not in (3, 5):
         raise OutOfLimits(f"degree {degree} of a joint spline: give 3 or 5")
-    at = _chords(q) if s is None else np.asarray(s, dtype=np.float64)
+    at = _chords(q) if s is None else real_array("s", s)
     if at.shape != q.shape[:1] or not (np.diff(at) > 0.0).all():
         raise ShapeError(f"s of shape {at.shape} for {q.shape[0]} points; give one rising number per point")
     if degree == 3:

@@ -15,6 +15,7 @@ from holonom.mechanics.motion.course import Course, arc_about, arc_through, one_
 from holonom.mechanics.motion.tool import LineArm, ToolLimits, plan_course
 from holonom.mechanics.motion.trajectory import JointLimits, Trajectory, joint_vector, standstill
 from holonom.spatial import check_pose
+from holonom.trace import real_array
 
 __all__ = ["ArcAbout", "ArcTo", "LineTo", "Segment", "SplineTo", "plan_path"]
 
@@ -48,7 +49,7 @@ class ArcTo:
 
     def course(self, start: Array) -> Course:
         """The way of the tool from a pose (4, 4)."""
-        via = np.asarray(self.via, dtype=np.float64)
+        via = real_array("the via point of an arc", self.via)
         place = via if via.shape == (3,) else one_pose("the via point of an arc", self.via)[:3, 3]
         return arc_through(start, _finite("the via point of an arc", place), one_pose("the goal of an arc", self.goal))
 
@@ -149,7 +150,7 @@ def _joined(first: Trajectory, second: Trajectory) -> Trajectory:
 
 
 def _finite(name: str, value: ArrayLike) -> Array:
-    point = np.asarray(value, dtype=np.float64)
+    point = real_array(name, value)
     if point.shape != (3,) or not np.isfinite(point).all():
         raise ShapeError(f"{name} is {point}; give three finite numbers (3,)")
     return point

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from holonom.errors import MotionError, OutOfLimits, ShapeError
 from holonom.mechanics.motion.joint_path import JointPath, check_smooth, place_of
 from holonom.mechanics.motion.trajectory import JointLimits, Trajectory
+from holonom.trace import real_array
 
 __all__ = ["DynamicArm", "retime"]
 
@@ -140,7 +141,7 @@ def retime(
 
 
 def _bounds(limits: JointLimits, torque: ArrayLike | None, n: int) -> _Bounds:
-    strength = np.full(n, np.inf) if torque is None else np.asarray(torque, dtype=np.float64)
+    strength = np.full(n, np.inf) if torque is None else real_array("torque", torque)
     values = {"speed": limits.speed, "acceleration": limits.acceleration, "torque": strength}
     for name, value in values.items():
         if np.shape(value) != (n,):

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import MotionError, OutOfLimits, ShapeError
+from holonom.trace import real_array
 
 __all__ = ["STILL", "JointLimits", "Trajectory", "check_inside", "joint_vector", "remainder", "standstill"]
 
@@ -87,11 +88,12 @@ def joint_vector(name: str, value: ArrayLike, n: int) -> Array:
     ShapeError
         Another shape, or values that are not finite.
     """
-    vector = np.asarray(value, dtype=np.float64)
+    vector = real_array(name, value)
     if vector.shape != (n,):
         raise ShapeError(f"{name} has shape {vector.shape}; the arm has {n} joints, give shape ({n},)")
     if not np.isfinite(vector).all():
-        raise ShapeError(f"{name} = {vector}; give finite joint positions")
+        k = int(np.argmin(np.isfinite(vector)))
+        raise ShapeError(f"{name}[{k}] is {vector[k]} of {vector}; give finite joint positions")
     return vector
 
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import InputError, MotionError, OutOfLimits, ShapeError
 from holonom.mechanics.motion.trajectory import JointLimits, Trajectory, check_inside, joint_vector
+from holonom.trace import real_array
 
 __all__ = ["plan_transfer"]
 
@@ -77,7 +78,7 @@ def _state(name: str, state: State, n: int) -> list[Array]:
 
 
 def _jerks(jerk: ArrayLike, n: int) -> Array:
-    given = np.asarray(jerk, dtype=np.float64)
+    given = real_array("jerk", jerk)
     if given.shape not in ((), (n,)) or not (given > 0.0).all() or not np.isfinite(given).all():
         raise OutOfLimits(f"jerk {jerk!r}: give a positive, finite one, or ({n},) of them")
     return np.broadcast_to(given, (n,))

@@ -1,0 +1,123 @@
+"""Which branch of a closed-form inverse is nearest to given joints, in compiled code: one target, or rows of them."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import float64, int8, int64, njit, void
+from numpy.typing import NDArray
+
+from holonom.mechanics.inverse_geometry import LIMIT, UNREACHABLE
+from holonom.trace.pointer import call_kernel
+
+__all__ = ["nearest_of_rows", "nearest_one"]
+
+Floats = NDArray[np.float64]
+_LIST, _TABLE, _STACK = float64[::1], float64[:, ::1], float64[:, :, ::1]
+
+
+@njit(cache=True, error_model="numpy")
+def _turned(value: float, reference: float, lower: float, upper: float, turn: float) -> float:
+    """The value whole turns nearer to the reference, where that stays within the limits."""
+    if abs(reference - value) > 0.5 * turn and turn > 0.0:
+        moved = value + turn * np.rint((reference - value) / turn)
+        if lower <= moved <= upper:
+            return float(moved)
+    return value
+
+
+@njit(cache=True, error_model="numpy")
+def _choose(branches: Floats, status: Any, at: int, reference: Floats, joints: Floats, q: Floats) -> int:
+    """Write the nearest of the branches (k, n) to q (n,), and return its number; see `nearest_of_rows`.
+
+    `status[at : at + k]` are theirs. Ranks first: within the limits, outside them, out of reach.
+    """
+    n = q.shape[0]
+    best, least, rank = 0, np.inf, 3
+    for branch in range(branches.shape[0]):
+        code = status[at + branch]
+        worse = 2 if code == UNREACHABLE else (1 if code == LIMIT else 0)
+        if worse > rank:
+            continue
+        distance = 0.0
+        for i in range(n):
+            value = _turned(branches[branch, i], reference[i], joints[0, i], joints[1, i], joints[2, i])
+            distance = max(distance, joints[3, i] * abs(value - reference[i]))
+        if worse < rank or distance < least:
+            best, least, rank = branch, distance, worse
+    for i in range(n):
+        q[i] = _turned(branches[best, i], reference[i], joints[0, i], joints[1, i], joints[2, i])
+    return best
+
+
+@njit(
+    [int64(int64, int64, target, _LIST, _TABLE, _LIST) for target in (_TABLE, _LIST)],
+    cache=True,
+    error_model="numpy",
+)
+def nearest_one(address: int, count: int, target: Floats, reference: Floats, joints: Floats, q: Floats) -> int:
+    """Solve and choose for one target.
+
+    Parameters
+    ----------
+    address
+        Of the C form of the arm's inverse geometry.
+    count
+        Of its branches.
+    target
+        T (4, 4) or p (3,).
+    reference, joints, q
+        As in `nearest_of_rows`, of one row.
+
+    Returns
+    -------
+    Four times the number of the branch, plus its status; -1 if something is not finite or of another shape.
+    """
+    n = q.shape[0]
+    rows = 4 if target.ndim == 2 else 3
+    if target.shape[0] != rows or target.size != (16 if target.ndim == 2 else 3) or reference.shape[0] != n:
+        return -1
+    total = 0.0
+    for x in target.flat:
+        total += x
+    for x in reference:
+        total += x
+    if not math.isfinite(total):
+        return -1
+    found = np.empty(count * (n + 1))
+    call_kernel(address, target, found)
+    branch = _choose(found[: count * n].reshape(count, n), found, count * n, reference, joints, q)
+    return 4 * branch + int(found[count * n + branch])
+
+
+@njit(
+    void(_STACK, int8[:, ::1], _TABLE, _TABLE, _TABLE, int8[::1], int64[::1]),
+    cache=True,
+    nogil=True,
+    error_model="numpy",
+)
+def nearest_of_rows(
+    branches: Floats,
+    status: NDArray[np.int8],
+    reference: Floats,
+    joints: Floats,
+    q: Floats,
+    taken: NDArray[np.int8],
+    number: NDArray[np.int64],
+) -> None:
+    """Choose for rows of branches (N, k, n) with status (N, k).
+
+    Parameters
+    ----------
+    reference
+        Joints (N, n) to stay near to.
+    joints
+        (4, n): lower and upper limits, 2 pi for joints that turn and 0 for those that slide, weights.
+    q, taken, number
+        Written: joints (N, n), status and number (N,) of the branch taken.
+    """
+    for row in range(branches.shape[0]):
+        number[row] = _choose(branches[row], status[row], 0, reference[row], joints, q[row])
+        taken[row] = status[row, number[row]]
