@@ -6,10 +6,10 @@ import numpy as np
 from scipy.optimize import linprog
 
 from holonom.app.bench import Figure, Setting, seconds
-from holonom.mobile.coupling import Coupling, omni_coupling, rim_speeds
-from holonom.mobile.envelopes import effective_motors
-from holonom.mobile.slip import SlipSettings, slip_params
-from holonom.mobile.slip_kernels import slip_samples, slip_start
+from holonom.mobile.drive.coupling import Coupling, omni_coupling, rim_speeds
+from holonom.mobile.drive.envelopes import effective_motors
+from holonom.mobile.drive.slip import SlipSettings, slip_params
+from holonom.mobile.drive.slip_kernels import slip_samples, slip_start
 
 SAMPLES = 100_000
 DIRECTIONS = 3600

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from holonom.mobile.coupling import Coupling, omni_coupling, rim_speeds
+from holonom.mobile.drive.coupling import Coupling, omni_coupling, rim_speeds
 
 NOISE = 0.02  # m/s
 RATE_NOISE = 0.01  # rad/s

@@ -10,7 +10,7 @@ from omni_bases import scattered, soccer, symmetric
 
 from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError
 from holonom.mobile import arrangements
-from holonom.mobile.coupling import (
+from holonom.mobile.drive.coupling import (
     Coupling,
     base_acceleration,
     base_force,

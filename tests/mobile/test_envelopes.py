@@ -10,9 +10,8 @@ from scipy.optimize import linprog
 from holonom.devices import DcMotor, Gear
 from holonom.errors import InputError, OutOfLimits, ShapeError
 from holonom.mobile import arrangements
-from holonom.mobile.coupling import Coupling, base_acceleration, omni_coupling, rim_speeds
-from holonom.mobile.drive_limits import DriveLimits, drive_limits
-from holonom.mobile.envelopes import (
+from holonom.mobile.drive.coupling import Coupling, base_acceleration, omni_coupling, rim_speeds
+from holonom.mobile.drive.envelopes import (
     Limit,
     acceleration_envelope,
     critical_force,
@@ -20,6 +19,7 @@ from holonom.mobile.envelopes import (
     force_envelope,
     speed_envelope,
 )
+from holonom.mobile.drive.limits import DriveLimits, drive_limits
 
 MOTOR = DcMotor(1.2, 0.56e-3, 0.0255, 0.0255, 92.5e-7, 24.0, 4.0, 0.1)
 GEAR = Gear(4.5, 0.9)

@@ -8,9 +8,9 @@ from omni_bases import scattered, soccer, symmetric
 from scipy import optimize
 
 from holonom.errors import OutOfLimits, ShapeError, UnknownName
-from holonom.mobile.coupling import base_acceleration, rim_speeds, wheel_forces
-from holonom.mobile.envelopes import force_envelope
-from holonom.mobile.failed_motor import (
+from holonom.mobile.drive.coupling import base_acceleration, rim_speeds, wheel_forces
+from holonom.mobile.drive.envelopes import force_envelope
+from holonom.mobile.drive.failed_motor import (
     Reach,
     actuation,
     allocation,

@@ -8,8 +8,8 @@ from omni_bases import scattered, symmetric
 
 from holonom.devices import DcMotor, Gear
 from holonom.errors import OutOfLimits, ShapeError
-from holonom.mobile.coupling import base_acceleration, omni_coupling, rim_speeds
-from holonom.mobile.patterns import copper_loss, idle_patterns, readable_patterns, split_pattern
+from holonom.mobile.drive.coupling import base_acceleration, omni_coupling, rim_speeds
+from holonom.mobile.drive.patterns import copper_loss, idle_patterns, readable_patterns, split_pattern
 
 MOTOR = DcMotor(1.2, 0.56e-3, 0.0255, 0.0255, 92.5e-7, 24.0, 4.0, 0.1)
 

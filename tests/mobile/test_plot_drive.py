@@ -6,8 +6,8 @@ from omni_bases import NOISE, burst, log, soccer, symmetric
 
 from holonom.errors import InputError, OutputError, ShapeError
 from holonom.mobile import arrangements
-from holonom.mobile.envelopes import Envelope, Limit, effective_motors
-from holonom.mobile.slip import SlipSettings, SlipStatus, detect_slip
+from holonom.mobile.drive.envelopes import Envelope, Limit, effective_motors
+from holonom.mobile.drive.slip import SlipSettings, SlipStatus, detect_slip
 
 pytest.importorskip("matplotlib", reason="Matplotlib is not installed; pip install 'holonom[plots]'")
 from holonom.plots.drive import draw_effective_motors, draw_envelopes, draw_slip

@@ -7,9 +7,9 @@ from scipy import stats
 
 from holonom.errors import ModelError, OutOfLimits, ShapeError
 from holonom.mobile import arrangements
-from holonom.mobile.coupling import Coupling, base_twist, coupling_of, omni_coupling, rim_speeds
-from holonom.mobile.slip import SlipSettings, SlipStatus, detect_slip, separable_wheels, slip_params
-from holonom.mobile.slip_kernels import slip_start, slip_step
+from holonom.mobile.drive.coupling import Coupling, base_twist, coupling_of, omni_coupling, rim_speeds
+from holonom.mobile.drive.slip import SlipSettings, SlipStatus, detect_slip, separable_wheels, slip_params
+from holonom.mobile.drive.slip_kernels import slip_start, slip_step
 
 PLAIN = SlipSettings(noise=NOISE, rate_noise=RATE_NOISE)
 LIMITED = SlipSettings(noise=NOISE, rate_noise=RATE_NOISE, max_acceleration=8.0, max_angular_acceleration=60.0)

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from holonom.devices.kernels import friction_torque
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile.arrangements import ackermann, omni
-from holonom.sim.base_floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch
-from holonom.sim.base_kernels import BLOCKED, DEAD, _friction, _solve, slip_friction
-from holonom.sim.base_plant import BaseDrive, BasePlant
+from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch
+from holonom.sim.base.kernels import BLOCKED, DEAD, _friction, _solve, slip_friction
+from holonom.sim.base.plant import BaseDrive, BasePlant
 
 SLICK = Floor(Material(0.0, 0.0, 0.1))
 

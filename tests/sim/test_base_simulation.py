@@ -10,12 +10,12 @@ from bases import BASES, DRIVE, soccer
 
 from holonom.control.traction import TractionSettings
 from holonom.errors import ModelError, OutOfLimits, UnknownName
-from holonom.mobile.coupling import Coupling
-from holonom.mobile.slip import SlipStatus, detect_slip
-from holonom.sim.base_floor import CARPET, ICE, Floor, Material, RectangularPatch
-from holonom.sim.base_log import BaseLog
-from holonom.sim.base_paths import PathLimits, ReferencePath, figure_of_eight, plan_path
-from holonom.sim.base_simulation import SLIP, BaseFault, BaseSettings, simulate_base
+from holonom.mobile.drive.coupling import Coupling
+from holonom.mobile.drive.slip import SlipStatus, detect_slip
+from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch
+from holonom.sim.base.log import BaseLog
+from holonom.sim.base.paths import PathLimits, ReferencePath, figure_of_eight, plan_path
+from holonom.sim.base.simulation import SLIP, BaseFault, BaseSettings, simulate_base
 
 BASE = soccer()
 EIGHT = plan_path(figure_of_eight(3.0), PathLimits(1.4, 2.0))

@@ -38,7 +38,7 @@ from holonom.mobile.arrangements import (
 from holonom.mobile.base import WheelBase
 from holonom.mobile.castors import CastorRates, castor_rates
 from holonom.mobile.centre import Centre, axle_miss, centre_of_axles, centre_of_twist
-from holonom.mobile.coupling import (
+from holonom.mobile.drive.coupling import (
     Coupling,
     base_acceleration,
     base_force,
@@ -47,8 +47,7 @@ from holonom.mobile.coupling import (
     rim_speeds,
     wheel_forces,
 )
-from holonom.mobile.drive_limits import DriveLimits, drive_limits
-from holonom.mobile.envelopes import (
+from holonom.mobile.drive.envelopes import (
     Envelope,
     Limit,
     acceleration_envelope,
@@ -57,7 +56,7 @@ from holonom.mobile.envelopes import (
     force_envelope,
     speed_envelope,
 )
-from holonom.mobile.failed_motor import (
+from holonom.mobile.drive.failed_motor import (
     Actuation,
     Reach,
     Redistribution,
@@ -67,9 +66,10 @@ from holonom.mobile.failed_motor import (
     possible_twists,
     redistribute,
 )
+from holonom.mobile.drive.limits import DriveLimits, drive_limits
+from holonom.mobile.drive.patterns import PatternParts, copper_loss, idle_patterns, readable_patterns, split_pattern
+from holonom.mobile.drive.slip import SlipReport, SlipSettings, SlipStatus, detect_slip, separable_wheels
 from holonom.mobile.mobility import Mobility, conflicting_wheels, is_holonomic, mobility
-from holonom.mobile.patterns import PatternParts, copper_loss, idle_patterns, readable_patterns, split_pattern
-from holonom.mobile.slip import SlipReport, SlipSettings, SlipStatus, detect_slip, separable_wheels
 from holonom.mobile.stability import (
     acceleration_limit,
     contact_points,

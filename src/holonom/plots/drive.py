@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import InputError, ShapeError
 from holonom.mobile.base import WheelBase
-from holonom.mobile.coupling import Coupling, coupling_of
-from holonom.mobile.envelopes import Envelope, Limit, effective_motors
-from holonom.mobile.slip import SlipReport, SlipStatus
+from holonom.mobile.drive.coupling import Coupling, coupling_of
+from holonom.mobile.drive.envelopes import Envelope, Limit, effective_motors
+from holonom.mobile.drive.slip import SlipReport, SlipStatus
 from holonom.plots.figure import COLORS, new_figure, saved
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from holonom.app.toml_lines import place_of
 from holonom.errors import CellError, ModelError, ProgramFault
 from holonom.lang import Program, load_program, start
 from holonom.mechanics import Arm
-from holonom.sim.plant import check_drives
+from holonom.sim.arm.plant import check_drives
 
 __all__ = ["Job", "load_job"]
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from holonom.sim.base_floor import MATERIAL
-from holonom.sim.records import AXIS
+from holonom.sim.arm.records import AXIS
+from holonom.sim.base.floor import MATERIAL
 
 __all__ = ["BODY", "BODY_GROUPS", "BODY_SAMPLE", "BODY_STATE", "WHEEL", "WHEEL_SAMPLE", "WHEEL_STATE"]
 

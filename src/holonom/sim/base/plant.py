@@ -14,11 +14,11 @@ from holonom.devices import DcMotor, Encoder, Friction, Gear, tracking_params
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile.base import WheelBase
 from holonom.mobile.wheel import Wheel
-from holonom.sim.base_floor import Floor, floor_table
-from holonom.sim.base_kernels import BLOCKED, DEAD, GRAVITY
-from holonom.sim.base_log import BaseLog, log_of
-from holonom.sim.base_loop import drive_open
-from holonom.sim.base_records import BODY, BODY_SAMPLE, BODY_STATE, WHEEL, WHEEL_SAMPLE, WHEEL_STATE
+from holonom.sim.base.floor import Floor, floor_table
+from holonom.sim.base.kernels import BLOCKED, DEAD, GRAVITY
+from holonom.sim.base.log import BaseLog, log_of
+from holonom.sim.base.loop import drive_open
+from holonom.sim.base.records import BODY, BODY_SAMPLE, BODY_STATE, WHEEL, WHEEL_SAMPLE, WHEEL_STATE
 
 __all__ = ["FAULTS", "TICK", "BaseDrive", "BasePlant"]
 

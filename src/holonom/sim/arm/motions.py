@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from holonom.errors import InputError, MotionError
 from holonom.mechanics import Arm, IkStatus
 from holonom.mechanics.motion import Trajectory, plan_joint, plan_line
-from holonom.sim.plant import TICK
+from holonom.sim.arm.plant import TICK
 
 __all__ = ["LineSettings", "MotionRequest", "branch_joints", "plan"]
 

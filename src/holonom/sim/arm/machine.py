@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from holonom.errors import DriveFault
 from holonom.mechanics.motion import Trajectory, splice, stop
 from holonom.signals import DriveState, Event, FramePoses, JointCommand, JointState, Signal, Sink
-from holonom.sim.motions import LineSettings, MotionRequest, plan
-from holonom.sim.plant import TICK, Plant
-from holonom.sim.world import World
+from holonom.sim.arm.motions import LineSettings, MotionRequest, plan
+from holonom.sim.arm.plant import TICK, Plant
+from holonom.sim.arm.world import World
 
 __all__ = ["PROGRAM_TICK", "SimulatedMachine"]
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from holonom.devices import DcMotor, Gear
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.mobile.base import WheelBase
-from holonom.mobile.coupling import Coupling, coupling_of
+from holonom.mobile.drive.coupling import Coupling, coupling_of
 
 __all__ = ["PatternParts", "copper_loss", "idle_patterns", "readable_patterns", "split_pattern"]
 

@@ -14,15 +14,15 @@ from holonom.control.path_keeping import EstimateSettings, KeepingSettings
 from holonom.control.traction import TractionSettings, WatchSettings
 from holonom.errors import ModelError, OutOfLimits, UnknownName
 from holonom.mobile.base import WheelBase
-from holonom.mobile.coupling import Coupling
-from holonom.mobile.slip import SlipSettings, slip_params
+from holonom.mobile.drive.coupling import Coupling
+from holonom.mobile.drive.slip import SlipSettings, slip_params
 from holonom.signals import Event
-from holonom.sim.base_floor import Floor
-from holonom.sim.base_log import BaseLog, log_of
-from holonom.sim.base_loop import LoopParams, SensorParams, run_loop
-from holonom.sim.base_paths import ReferencePath
-from holonom.sim.base_plant import FAULTS, TICK, BaseDrive, BasePlant
-from holonom.sim.base_records import BODY_SAMPLE, WHEEL_SAMPLE
+from holonom.sim.base.floor import Floor
+from holonom.sim.base.log import BaseLog, log_of
+from holonom.sim.base.loop import LoopParams, SensorParams, run_loop
+from holonom.sim.base.paths import ReferencePath
+from holonom.sim.base.plant import FAULTS, TICK, BaseDrive, BasePlant
+from holonom.sim.base.records import BODY_SAMPLE, WHEEL_SAMPLE
 
 __all__ = ["BaseFault", "BaseSensors", "BaseSettings", "simulate_base"]
 

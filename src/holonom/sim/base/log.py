@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.mobile.slip import SlipStatus
+from holonom.mobile.drive.slip import SlipStatus
 from holonom.signals import Event
-from holonom.sim.base_records import BODY_GROUPS
+from holonom.sim.base.records import BODY_GROUPS
 
 __all__ = ["BaseLog", "log_of"]
 

@@ -21,9 +21,9 @@ from holonom.devices import DcMotor, Encoder, Friction, Gear, tracking_params
 from holonom.errors import ModelError, UnknownName
 from holonom.mechanics import Arm
 from holonom.model import ArmModel, Joint
-from holonom.sim.kernels import CASCADE, COMPUTED_TORQUE, POSITION_TICK, SPEED_TICK, STOP, advance
-from holonom.sim.plant_equation import plant_kernel
-from holonom.sim.records import STATE, Axis, axis_table
+from holonom.sim.arm.kernels import CASCADE, COMPUTED_TORQUE, POSITION_TICK, SPEED_TICK, STOP, advance
+from holonom.sim.arm.plant_equation import plant_kernel
+from holonom.sim.arm.records import STATE, Axis, axis_table
 
 __all__ = ["CONTROLLERS", "STEP", "TICK", "ControlSettings", "Ground", "Plant", "check_drives"]
 

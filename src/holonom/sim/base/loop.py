@@ -41,8 +41,8 @@ from holonom.devices.kernels import (
     friction_torque,
     tracking_step,
 )
-from holonom.mobile.slip_kernels import NO_SLIP, SlipParams, SlipState, slip_start, slip_step
-from holonom.sim.base_kernels import BLOCKED, RUNS, find_material, plant_step
+from holonom.mobile.drive.slip_kernels import NO_SLIP, SlipParams, SlipState, slip_start, slip_step
+from holonom.sim.base.kernels import BLOCKED, RUNS, find_material, plant_step
 
 __all__ = ["LoopParams", "SensorParams", "drive_open", "run_loop"]
 

@@ -13,8 +13,8 @@ from scipy import special
 
 from holonom.errors import ModelError, OutOfLimits, ShapeError
 from holonom.mobile.base import WheelBase
-from holonom.mobile.coupling import Coupling, coupling_of
-from holonom.mobile.slip_kernels import (
+from holonom.mobile.drive.coupling import Coupling, coupling_of
+from holonom.mobile.drive.slip_kernels import (
     AMBIGUOUS,
     BOUND,
     INVERSE,

@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.mobile.base import WheelBase
-from holonom.mobile.coupling import Coupling, coupling_of, live_wheels
-from holonom.mobile.drive_limits import DriveLimits
+from holonom.mobile.drive.coupling import Coupling, coupling_of, live_wheels
+from holonom.mobile.drive.limits import DriveLimits
 
 __all__ = [
     "Envelope",

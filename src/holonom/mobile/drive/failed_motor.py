@@ -15,7 +15,7 @@ from scipy import optimize
 
 from holonom.errors import OutOfLimits, ShapeError, UnknownName
 from holonom.mobile.base import WheelBase
-from holonom.mobile.coupling import Coupling, coupling_of, live_wheels
+from holonom.mobile.drive.coupling import Coupling, coupling_of, live_wheels
 
 __all__ = [
     "Actuation",
