@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from bases import BASES, DRIVE, LOSSLESS, soccer
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from simulated_bases import BASES, DRIVE, LOSSLESS, soccer
 
 from holonom.devices.kernels import friction_torque
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName

@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from bases import BASES, DRIVE, soccer
+from simulated_bases import BASES, DRIVE, soccer
 
 from holonom.control.traction import TractionSettings
 from holonom.errors import ModelError, OutOfLimits, UnknownName
