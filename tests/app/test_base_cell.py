@@ -22,7 +22,7 @@ def test_values_are_si() -> None:
     assert cell.base.angles == pytest.approx(tuple(math.radians(a) for a in (57, 135, 225, 303)))
     assert cell.drive.inductance == pytest.approx(0.56e-3)
     assert cell.drive.rotor_inertia == pytest.approx(92.5e-7)
-    assert cell.gyro.noise == pytest.approx(math.radians(0.3))
+    assert cell.gyro.noise == pytest.approx(math.radians(0.12))
     assert cell.control.traction_control
 
 
@@ -40,17 +40,17 @@ def test_what_is_left_out_has_a_default(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "key", "says"),
     [
-        ('wheel_radius = "27mm"', 'wheel_radius = "0mm"', "base.wheel_radius", "'0mm' came; 0.1mm to 100m is allowed"),
-        ('radius = "79mm"\n', "", "base", "radius is missing; arrangement 'omni' takes angles and radius"),
+        ('wheel_radius = "27.11mm"', 'wheel_radius = "0mm"', "base.wheel_radius", "'0mm' came; 0.1mm to 100m is allowed"),
+        ('radius = "78.9mm"\n', "", "base", "radius is missing; arrangement 'omni' takes angles and radius"),
         ('arrangement = "omni"', 'arrangement = "omny"', "base.arrangement", "did you mean 'omni'"),
         ('arrangement = "omni"', 'arrangement = "mecanum"', "base", "angles came"),
-        ('mass = "2.5kg"', "mass = 2.5", "base.mass", "2.5 came"),
-        ('supply = "16V"', 'supply = "16A"', "drive.supply", "V or mV"),
+        ('mass = "6.35kg"', "mass = 6.35", "base.mass", "6.35 came"),
+        ('supply = "14.8V"', 'supply = "14.8A"', "drive.supply", "V or mV"),
         ('sliding_friction = 0.65', "sliding_friction = 0.9", "floor", "sliding friction is the smaller"),
-        ('radius = "50mm"\n', "", "floor.patches[0]", "needs radius or size"),
+        ('size = ["300mm", "50mm"]\n', "", "floor.patches[0]", "needs radius or size"),
         ('wheel = "rear left"', 'wheel = "rear lefd"', "faults", "did you mean 'rear left'"),
         ('kind = "motor_dead"', 'kind = "motor_died"', "faults[0].kind", "did you mean 'motor_dead'"),
-        ('laps = 3', "laps = 0", "path.laps", "0 came"),
+        ('laps = 2', "laps = 0", "path.laps", "0 came"),
         ('shape = "figure_of_eight"', 'shape = "eight"', "path.shape", "figure_of_eight"),
     ],
 )  # fmt: skip

@@ -50,7 +50,7 @@ def test_the_dead_motor_is_found_and_made_up_for(run: Path) -> None:
     assert 0.0 < motor["detected"] - motor["time"] < 0.2
     error = next(error for error in said["path_errors"] if error["phase"] == f"{fault.wheel}: motor dead")
     assert error["peak_m"] < 0.3 * error["peak_without_handling_m"]
-    assert error["believed_peak_m"] < 0.02
+    assert error["believed_peak_m"] < 0.03
 
 
 def test_the_summary_is_what_the_recording_says(run: Path) -> None:
@@ -122,7 +122,7 @@ def test_a_mecanum_base_drives_a_square(tmp_path: Path) -> None:
     text = re.sub(r"\[\[floor.*?\n\n|\[\[faults.*", "", text, flags=re.DOTALL)
     text = text.replace('"figure_of_eight"', '"rounded_square"').replace('"fixed"', '"tangent"')
     path = tmp_path / "cell.toml"
-    path.write_text(text.replace('speed = "1.5m/s"', 'speed = "0.8m/s"'), "utf-8")
+    path.write_text(text.replace('speed = "2m/s"', 'speed = "0.8m/s"').replace('size = "5m"', 'size = "1.5m"'), "utf-8")
     job = build_job(load_cell(path), path)
     assert job.base.driven[0] == "front left"
     log = simulate(job)

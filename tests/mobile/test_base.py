@@ -118,7 +118,8 @@ def test_steering_stays_near_and_passes_through_the_centre(base, v, seed):
     straight = base.steering(v)
     half_turns = (angles - straight) / np.pi
     np.testing.assert_allclose(half_turns, np.round(half_turns), atol=1e-7)
-    if abs(v[2]) > 0.05:
+    apart = np.linalg.svd(base.sliding_matrix(angles)[:, :2], compute_uv=False)[-1] > 1e-3
+    if abs(v[2]) > 0.05 and apart:  # axles that lie in one line leave the centre open
         found = centre_of_axles(base, angles)
         np.testing.assert_allclose(found.point, [-v[1] / v[2], v[0] / v[2]], atol=1e-5)
         assert found.miss < 1e-6
