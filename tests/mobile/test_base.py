@@ -313,3 +313,12 @@ def test_desaturated_speeds_keep_their_ratio(speeds, limit):
     np.testing.assert_allclose(scaled * np.abs(speeds).max(), np.array(speeds) * np.abs(scaled).max(), atol=1e-9)
     with pytest.raises(OutOfLimits, match="max_speed"):
         WheelBase.desaturate(speeds, 0.0)
+
+
+def test_a_loop_of_single_calls_is_compiled_on_the_way_and_gives_the_same():
+    base, v = BASES["swerve"], np.array([0.4, -0.2, 0.7])
+    fresh = type(base)(base.wheels, name="fresh swerve")
+    angles = [fresh.steering(v) for _ in range(40)]
+    speeds = [fresh.wheel_speeds(v, angles[0]) for _ in range(40)]
+    np.testing.assert_allclose(angles, np.tile(angles[0], (40, 1)), rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(speeds, np.tile(speeds[0], (40, 1)), rtol=0.0, atol=1e-12)

@@ -1,4 +1,4 @@
-"""How a base evaluates its equations: a few samples as NumPy arrays, batches by a compiled kernel."""
+"""How a base evaluates its equations: the first few samples as NumPy arrays, then all by a compiled kernel."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ __all__ = ["BaseEquation", "finite", "product", "samples", "written"]
 
 Array = NDArray[np.float64]
 COMPILE_FROM = 512
-"""Samples in a call from which a kernel is compiled: a base that is asked a few times costs no compilation."""
+"""Samples, over all calls, from which on a kernel is compiled: a base that is asked a few times costs no compilation."""
+CALL = 16
+"""Samples that a call counts for at least: a loop that calls for one sample each is compiled after 32 calls."""
 
 
 def samples(name: str, value: ArrayLike, width: int) -> Array:
@@ -84,6 +86,7 @@ class BaseEquation:
         self, equation: Callable[..., Sequence[Any]], inputs: Mapping[str, int], outputs: Mapping[str, int], name: str
     ) -> None:
         self.equation, self.inputs, self.outputs, self.name = equation, dict(inputs), dict(outputs), name
+        self._asked = 0
 
     @functools.cached_property
     def kernel(self) -> Kernel:
@@ -98,8 +101,10 @@ class BaseEquation:
 
     def __call__(self, *arrays: ArrayLike, out: Array | None = None, threads: int = 1) -> tuple[Array, ...]:
         """Evaluate; `out` takes the first output."""
-        size = max((np.size(a) // max(w, 1) for a, w in zip(arrays, self.inputs.values(), strict=True)), default=0)
-        if size >= COMPILE_FROM:
+        if self._asked < COMPILE_FROM:
+            sizes = (np.size(a) // max(w, 1) for a, w in zip(arrays, self.inputs.values(), strict=True))
+            self._asked += max(CALL, *sizes)
+        if self._asked >= COMPILE_FROM:
             return self._batch(arrays, out, threads)
         given = [samples(n, a, w) for (n, w), a in zip(self.inputs.items(), arrays, strict=True)]
         try:
