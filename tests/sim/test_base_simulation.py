@@ -49,6 +49,7 @@ def test_it_keeps_its_path(name: str, heading: str) -> None:
     assert not log.named.any()
     assert not log.dead.any()
     assert log.events == ()
+    assert (log.ended, log.driven) == ("done", 1.0)
 
 
 def test_its_estimate_is_true_and_its_loops_follow() -> None:
@@ -154,6 +155,23 @@ def test_a_jammed_wheel_stops_the_base() -> None:
     assert (np.abs(log.twist[-1]) < [0.05, 0.05, 0.2]).all()
     assert log.time[-1] < EIGHT.time[-1]
     assert any("the base stops" in event.text for event in log.events)
+    assert log.ended == "jammed"
+    gone = np.hypot(*np.diff(log.reference_pose[:, :2], axis=0).T).sum()
+    whole = np.hypot(*np.diff(EIGHT.pose[:, :2], axis=0).T).sum()
+    assert log.driven == pytest.approx(gone / whole, abs=2e-3)
+    assert log.events[-1].text == f"stopped with a jammed wheel after {100 * log.driven:.0f} % of the path"
+
+
+def test_a_run_that_gets_too_slow_is_cut_off() -> None:
+    """The motors that are left must not push as the path needs; the log says that it ends before it does, and where."""
+    log = run(faults=[BaseFault(2.0, 0)], settings=BaseSettings(friction=0.01))
+    assert log.ended == "cut off"
+    assert len(log.time) >= 5 * len(EIGHT.time)
+    assert 0.2 < log.driven < 0.9
+    assert "cut off after" in log.events[-1].text
+    gone = np.hypot(*np.diff(log.reference_pose[:, :2], axis=0).T).sum()
+    whole = np.hypot(*np.diff(EIGHT.pose[:, :2], axis=0).T).sum()
+    assert log.driven == pytest.approx(gone / whole, abs=2e-3)
 
 
 def test_it_starts_in_motion() -> None:

@@ -57,6 +57,11 @@ class BaseLog:
         (N, 5) J since the start: supplied, armature heat, air-gap work, lost in motors and gears, lost on the floor.
     events
         What a reader of the log wants to know first.
+    ended
+        How the run ended: "done" at the end of the path, "jammed" where a jammed wheel stopped the base, "cut off"
+        where it would have taken more than five times as long as the path.
+    driven
+        Part of the path's length that the reference had gone by then, 0 to 1.
     """
 
     time: Array
@@ -87,6 +92,8 @@ class BaseLog:
     acceleration: Array
     energy: Array
     events: tuple[Event, ...] = ()
+    ended: str = "done"
+    driven: float = 1.0
 
     @property
     def path_error(self) -> Array:
@@ -113,12 +120,15 @@ def log_of(
     body: NDArray[np.void],
     wheels: NDArray[np.void],
     names: Sequence[str],
-    faults: Sequence[Event] = (),
+    told: Sequence[Event] = (),
+    *,
+    ended: str = "done",
+    driven: float = 1.0,
 ) -> BaseLog:
-    """Arrays and events from the records of the compiled loop."""
+    """Arrays and events from the records of the compiled loop; `told` are events that the caller knows of."""
     named = (body["flagged"][:, None] >> np.arange(wheels.shape[1])) & 1 == 1
     events = [
-        *faults,
+        *told,
         *_slip_events(time, body["status"], named, names),
         *_dead_events(time, wheels["dead"], body["rate"], names),
     ]
@@ -157,6 +167,8 @@ def log_of(
         acceleration=groups["acceleration"],
         energy=groups["energy"],
         events=tuple(sorted(events, key=lambda event: event.time)),
+        ended=ended,
+        driven=driven,
     )
 
 

@@ -44,8 +44,10 @@ from holonom.devices.kernels import (
 from holonom.mobile.drive.slip_kernels import NO_SLIP, SlipParams, SlipState, slip_start, slip_step
 from holonom.sim.base.kernels import BLOCKED, RUNS, find_material, plant_step
 
-__all__ = ["LoopParams", "SensorParams", "drive_open", "run_loop"]
+__all__ = ["CUT_OFF", "DONE", "JAMMED", "LoopParams", "SensorParams", "drive_open", "run_loop"]
 
+DONE, JAMMED, CUT_OFF = 0, 1, 2
+"""How a run ends: at the path's end, stopped by a jammed wheel, out of time because it is driven too slowly."""
 STANDING = 500  # ms after which a base that had to stop is done
 SLIPPING_WEIGHT = 0.3  # in the allocation of force: a wheel on ice is asked last
 Floats = NDArray[np.float64]
@@ -100,10 +102,11 @@ def run_loop(
     rng: np.random.Generator,
     body_log: Records,
     wheel_log: Records,
-) -> int:
+) -> tuple[int, int, float]:
     """Follow a reference (N, 9) from the present state and log each millisecond (docstring of `simulate_base`).
 
-    `faults` (k, 3): tick, wheel, kind, in order of time. Returns the milliseconds it took, at most the logs' length.
+    `faults` (k, 3): tick, wheel, kind, in order of time. Returns the milliseconds it took, at most the logs' length;
+    how it ended (`DONE`, `JAMMED`, `CUT_OFF`); the last phase on the reference, in samples.
     """
     m = len(wheels)
     b, base = body[0], state[0]
@@ -115,8 +118,10 @@ def run_loop(
     fault, named, dead, stood = 0, 0, 0, 0
     phase, rate, goal, now = 0.0, 1.0, 1.0, np.zeros(9)
     for k in range(len(body_log)):
-        if phase > len(reference) - 1 or stood >= STANDING:
-            return k
+        if phase > len(reference) - 1:
+            return k, DONE, phase
+        if stood >= STANDING:
+            return k, JAMMED, phase
         while fault < len(faults) and faults[fault, 0] <= k:
             _break_motor(states[faults[fault, 1]], faults[fault, 2])
             fault += 1
@@ -171,7 +176,7 @@ def run_loop(
         phase += rate
         rate += keeping.dt * change
         stood = stood + 1 if rate <= 0.0 else 0
-    return len(body_log)
+    return len(body_log), DONE if phase > len(reference) - 1 else CUT_OFF, phase
 
 
 @njit(cache=True, error_model="numpy")

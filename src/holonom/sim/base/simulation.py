@@ -19,7 +19,7 @@ from holonom.mobile.drive.slip import SlipSettings, slip_params
 from holonom.signals import Event
 from holonom.sim.base.floor import Floor
 from holonom.sim.base.log import BaseLog, log_of
-from holonom.sim.base.loop import LoopParams, SensorParams, run_loop
+from holonom.sim.base.loop import CUT_OFF, DONE, JAMMED, LoopParams, SensorParams, run_loop
 from holonom.sim.base.paths import ReferencePath
 from holonom.sim.base.plant import FAULTS, TICK, BaseDrive, BasePlant
 from holonom.sim.base.records import BODY_SAMPLE, WHEEL_SAMPLE
@@ -31,6 +31,7 @@ Array = NDArray[np.float64]
 SLOWEST = 0.2  # part of the path's speed below which a run is cut off
 RESERVE = 0.85  # part of the largest force that a slowed-down path may need; the rest is for errors
 RATE_CHANGE = 1.0  # 1/s, how fast a path is slowed down
+ENDINGS = {DONE: "done", JAMMED: "jammed", CUT_OFF: "cut off"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +136,8 @@ def simulate_base(
     Controller at 1 kHz: encoders, gyro, accelerometers and shunts; slip detection; watch over the motors; velocity
     and pose by dead reckoning without the slipping wheel; path keeping; forces by the wheels that work; traction
     control; speed loops. It is told of no fault and no patch. Where the motors that are left cannot give the path's
-    accelerations it is driven slower (same curve); a jammed wheel stops the base. Plant at 1 kHz times `substeps`.
+    accelerations it is driven slower (same curve), for at most five times as long; a jammed wheel stops the base. The
+    log's `ended` and `driven` say how it went. Plant at 1 kHz times `substeps`.
 
     Parameters
     ----------
@@ -167,7 +169,7 @@ def simulate_base(
     plant.place(reference[0, :3], reference[0, 3:6])
     table = sorted((round(f.time / TICK), plant.wheel_index(f.wheel), FAULTS[f.kind]) for f in faults)
     body_log, wheel_log = np.zeros(n, BODY_SAMPLE), np.zeros((n, m), WHEEL_SAMPLE)
-    done = run_loop(
+    done, ending, phase = run_loop(
         _loop_params(plant, settings),
         settings.sensors.params(),
         plant.body,
@@ -183,8 +185,10 @@ def simulate_base(
         body_log,
         wheel_log,
     )
+    time, ended, driven = TICK * np.arange(done, dtype=np.float64), ENDINGS[ending], _driven(path, phase)
     events = [Event(f.time, "warning", "plant", _fault_text(f, plant)) for f in faults]
-    return log_of(TICK * np.arange(done, dtype=np.float64), body_log[:done], wheel_log[:done], base.driven, events)
+    events += _ending_events(ended, driven, TICK * (done - 1))
+    return log_of(time, body_log[:done], wheel_log[:done], base.driven, events, ended=ended, driven=driven)
 
 
 def _loop_params(plant: BasePlant, settings: BaseSettings) -> LoopParams:
@@ -217,6 +221,26 @@ def _quiet(slip: SlipSettings, wheels: int) -> float:
     if wheels <= 3 or not isinstance(slip.noise, float):
         return -1.0
     return float(chi2.isf(slip.false_alarm, wheels - 3)) * slip.noise**2
+
+
+def _driven(path: ReferencePath, phase: float) -> float:
+    """Part of a path's length (of its turn, on the spot; else of its time) before a phase in samples."""
+    steps = np.abs(np.diff(path.pose, axis=0))
+    for length in (np.hypot(steps[:, 0], steps[:, 1]), steps[:, 2], np.ones(len(steps))):
+        if (total := float(length.sum())) > 0.0:
+            gone = np.concatenate([[0.0], np.cumsum(length)])
+            return 1.0 if phase >= len(steps) else float(np.interp(phase, np.arange(len(gone)), gone)) / total
+    return 1.0
+
+
+def _ending_events(ended: str, driven: float, time: float) -> list[Event]:
+    """What cut a run short; nothing where it went to the end of the path."""
+    texts = {
+        "jammed": f"stopped with a jammed wheel after {100.0 * driven:.0f} % of the path",
+        "cut off": f"cut off after {100.0 * driven:.0f} % of the path: driven too slowly, it takes more than "
+        f"{1.0 / SLOWEST:g} times its time",
+    }
+    return [Event(time, "error", "simulation", texts[ended])] if ended in texts else []
 
 
 def _fault_text(fault: BaseFault, plant: BasePlant) -> str:
