@@ -40,7 +40,7 @@ def test_what_is_left_out_has_a_default(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "key", "says"),
     [
-        ('wheel_radius = "27.11mm"', 'wheel_radius = "0mm"', "base.wheel_radius", "'0mm' came; 0.1mm to 100m is allowed"),
+        ('wheel_radius = "27.11mm"', 'wheel_radius = "0mm"', "base.wheel_radius", "'0mm' came; 0.1mm to 100m"),
         ('radius = "78.9mm"\n', "", "base", "radius is missing; arrangement 'omni' takes angles and radius"),
         ('arrangement = "omni"', 'arrangement = "omny"', "base.arrangement", "did you mean 'omni'"),
         ('arrangement = "omni"', 'arrangement = "mecanum"', "base", "angles came"),

@@ -132,7 +132,7 @@ class Patch(Section):
 class FloorTable(Section):
     """The floor: a slip curve, and patches where it is another one."""
 
-    friction: Annotated[float, Quantity("number", 0.0, 5.0)]
+    friction: Annotated[float, Quantity("number", 0.001, 5.0)]
     """largest friction coefficient between wheel and floor"""
     sliding_friction: Annotated[float, Quantity("number", 0.0, 5.0)]
     """friction coefficient of a wheel that slides"""

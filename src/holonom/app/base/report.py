@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.app.base.assembly import BaseJob
-from holonom.app.base.outcome import DeadMotor, PathError, SlipEpisode
+from holonom.app.base.outcome import DeadMotor, FalseAlarm, PathError, Phase, SlipEpisode
 from holonom.app.base.scene import build_scene, patch_corners
 from holonom.app.recording import read_recording
 from holonom.app.report import (
@@ -41,27 +41,31 @@ PATCH, MARK = "#bfe3f5", "#b3261e"
 
 @dataclass(frozen=True, slots=True)
 class Findings:
-    """What came of a run, and of the same run without any handling of faults."""
+    """What came of a run, and of the same run without any handling of faults.
+
+    `failure` says why it did not get to its end; `errors` are the phases with the path errors of both runs.
+    """
 
     log: BaseLog
     bare: BaseLog
+    failure: str | None
     slips: Sequence[SlipEpisode]
     dead: Sequence[DeadMotor]
-    errors: Sequence[PathError]
-    bare_errors: Sequence[PathError]
+    alarms: Sequence[FalseAlarm]
+    errors: Sequence[tuple[Phase, PathError | None, PathError | None]]
 
 
 def write_base_report(path: Path, job: BaseJob, found: Findings, recording: Path, facts: dict[str, str]) -> None:
     """Write the report beside its recording."""
     cell, log = job.cell, found.log
-    worst = found.errors[0].peak
+    worst = 1e3 * log.path_error.max()
     write_report(
         path,
         read_recording(recording),
         build_scene(cell, job.base, log.reference_pose[:, :2]),
         title=cell.cell.name,
         subtitle=cell.cell.description,
-        outcome=Outcome(True, f"path driven, at most {1e3 * worst:.0f} mm off"),
+        outcome=Outcome(found.failure is None, found.failure or f"path driven, at most {worst:.0f} mm off"),
         facts=facts,
         curves=_curves(log, found.bare),
         figures=[_map(job, found), _faults(found), _polar(job, found)],
@@ -78,29 +82,28 @@ def _map(job: BaseJob, found: Findings) -> Figures:
         MapLine("reference", log.reference_pose[:, :2], REFERENCE, dashed=True),
     ]
     marks = [MapMark(f"{slip.wheel} slips", _place(log, slip.start), MARK) for slip in found.slips]
-    marks += [MapMark(f"motor of {motor.wheel} {motor.kind}", _place(log, motor.time), MARK) for motor in found.dead]
+    marks += [
+        MapMark(f"motor of {motor.wheel} {motor.kind}", _place(log, motor.time), MARK)
+        for motor in found.dead
+        if motor.reached
+    ]
     patches = [MapPatch(patch.name, patch_corners(patch), PATCH) for patch in job.cell.floor.patches]
-    table = Table(
-        ("phase", "from", "to", "rms", "peak", "peak, believed", "heading, peak", "peak without handling"),
-        [
-            (
-                error.phase,
-                f"{error.start:.2f} s",
-                f"{error.end:.2f} s",
-                f"{1e3 * error.rms:.1f} mm",
-                f"{1e3 * error.peak:.1f} mm",
-                f"{1e3 * error.believed:.1f} mm",
-                f"{np.degrees(error.heading):.1f}°",
-                f"{1e3 * other.peak:.1f} mm",
-            )
-            for error, other in zip(found.errors, found.bare_errors, strict=True)
-        ],
-    )
+    head = ("phase", "from", "to", "rms", "peak", "peak, believed", "heading, peak", "peak without handling")
+    table = Table(head, [_phase_row(*row) for row in found.errors])
     note = (
         "Distance of the true pose from where the reference is at the same instant. The controller knows its pose by "
         "dead reckoning only; what it believes its error to be is the believed peak, the rest is drift."
     )
     return Figures("path", "Path", [TopView("seen from above", lines, patches, marks), table], note)
+
+
+def _phase_row(phase: Phase, error: PathError | None, bare: PathError | None) -> tuple[str, ...]:
+    times = (phase.name, f"{phase.start:.2f} s", f"{phase.end:.2f} s")
+    other = "ended before" if bare is None else f"{1e3 * bare.peak:.1f} mm"
+    if error is None:
+        return (*times, "", "", "", "", other)
+    distances = (f"{1e3 * value:.1f} mm" for value in (error.rms, error.peak, error.believed))
+    return (*times, *distances, f"{np.degrees(error.heading):.1f}°", other)
 
 
 def _place(log: BaseLog, time: float) -> tuple[float, float]:
@@ -109,12 +112,13 @@ def _place(log: BaseLog, time: float) -> tuple[float, float]:
 
 
 def _faults(found: Findings) -> Figures:
+    head = ("what happened", "since", "found after", "named after", "named")
     rows = [
         (
             f"{slip.wheel} slips, up to {slip.peak:.2f} m/s",
             f"{slip.start:.3f} s",
-            "not found" if slip.detected is None else f"{slip.detected:.3f} s",
-            "" if slip.delay is None else f"{1e3 * slip.delay:.0f} ms",
+            _after(slip.delay),
+            _after(slip.naming_delay) if slip.delay is not None else "",
             " and ".join(slip.named) or ("ambiguous" if slip.detected is not None else ""),
         )
         for slip in found.slips
@@ -123,28 +127,37 @@ def _faults(found: Findings) -> Figures:
         (
             f"motor of {motor.wheel} {motor.kind}",
             f"{motor.time:.3f} s",
-            "not found" if motor.detected is None else f"{motor.detected:.3f} s",
-            "" if motor.detected is None else f"{1e3 * (motor.detected - motor.time):.0f} ms",
+            _after(None if motor.detected is None else motor.detected - motor.time)
+            if motor.reached
+            else "the run ended before",
+            "",
             motor.wheel if motor.detected is not None else "",
         )
         for motor in found.dead
     ]
-    table = Table(("what happened", "since", "found at", "after", "named"), rows)
-    note = "The controller knows encoders, motor currents, gyro and accelerometers only; it is told of no fault."
-    return Figures("faults", "Faults, and what was found of them", [table], note)
+    rows += [(alarm.what, f"{alarm.start:.3f} s", "", "", f"until {alarm.end:.3f} s") for alarm in found.alarms]
+    note = (
+        "The controller knows encoders, motor currents, gyro and accelerometers only; it is told of no fault. "
+        "A wheel slips here from the slip on at which friction peaks."
+    )
+    return Figures("faults", "Faults, and what was found of them", [Table(head, rows)], note)
+
+
+def _after(delay: float | None) -> str:
+    return "never" if delay is None else f"{1e3 * delay:.0f} ms"
 
 
 def _polar(job: BaseJob, found: Findings) -> Figures:
     directions = np.linspace(0.0, 2.0 * np.pi, 181)
-    out = [found.log.wheels.index(motor.wheel) for motor in found.dead]
+    dead = [motor.wheel for motor in found.dead if motor.reached]
+    out = [found.log.wheels.index(wheel) for wheel in dead]
     base = job.base
     limits = drive_limits(base, job.drive.motor, job.drive.gear, job.floor.material.peak)
 
     def plot(title: str, unit: str, values: Array, without: Array | None) -> Polar:
         lines = [PolarLine("all motors", directions, values, INTACT)]
         if without is not None:
-            names = " and ".join(motor.wheel for motor in found.dead)
-            lines.append(PolarLine(f"without {names}", directions, without, DEAD))
+            lines.append(PolarLine(f"without {' and '.join(dead)}", directions, without, DEAD))
         return Polar(title, unit, lines)
 
     def value(envelope: Envelope) -> Array:
