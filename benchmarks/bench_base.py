@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from holonom.app.bench import Figure, Setting, seconds
-from holonom.mobile.arrangements import ackermann, differential, mecanum, omni, swerve
+from holonom.mobile.arrangements import ackermann, differential, mecanum, omni, swerve, synchro, tricycle
 from holonom.mobile.base import WheelBase
 
 SIZES = (4096, 65536)
@@ -19,15 +19,14 @@ def _at(rows: int, setting: Setting) -> list[Figure]:
     figures = []
     for base in (differential(0.3, 0.05), omni(n=4, radius=0.2, wheel_radius=0.05), mecanum(0.4, 0.3, 0.05)):
         figures += _constant(base, rows, setting)
-    for base in (ackermann(2.5, 1.5, 0.3), swerve(wheelbase=0.4, track=0.3, wheel_radius=0.05)):
+    swerving = swerve(wheelbase=0.4, track=0.3, wheel_radius=0.05)
+    for base in (ackermann(2.5, 1.5, 0.3), tricycle(1.2, 0.8, 0.15), synchro(0.25, 0.06), swerving):
         figures += _steered(base, rows, setting)
     return figures
 
 
 def _twists(base: WheelBase, rows: int, setting: Setting) -> np.ndarray:
-    any_twist = setting.rng.uniform(-1.0, 1.0, (rows, 3))
-    steers_alone = base.steered and len(base.sliding_names) == len(base.steered)
-    return any_twist if steers_alone or not base.sliding_names else any_twist * [1.0, 0.0, 1.0]
+    return base.feasible(setting.rng.uniform(-1.0, 1.0, (rows, 3)))
 
 
 def _constant(base: WheelBase, rows: int, setting: Setting) -> list[Figure]:
@@ -51,12 +50,16 @@ def _constant(base: WheelBase, rows: int, setting: Setting) -> list[Figure]:
 def _steered(base: WheelBase, rows: int, setting: Setting) -> list[Figure]:
     twists = _twists(base, rows, setting)
     speeds, angles, back = np.empty((rows, len(base.driven))), np.empty((rows, len(base.steered))), np.empty((rows, 3))
-    steer = seconds(lambda: base.steering(twists, out=angles), setting) / rows
-    inverse = seconds(lambda: base.wheel_speeds(twists, out=speeds), setting) / rows
-    forward = seconds(lambda: base.twist(speeds, angles, out=back), setting) / rows
+    base.steering(twists, out=angles)
+    turned, now = np.empty_like(angles), angles + 0.1
+    verbs = {
+        "steering angles": lambda: base.steering(twists, out=turned),
+        "steering angles, nearest": lambda: base.steering(twists, now, out=turned),
+        "inverse model": lambda: base.wheel_speeds(twists, out=speeds),
+        "inverse model, steering given": lambda: base.wheel_speeds(twists, angles, out=speeds),
+        "forward model": lambda: base.twist(speeds, angles, out=back),
+    }
     what = f"{base.name} base, {rows} rows"
     return [
-        Figure(f"steering angles, {what}", 1e9 * steer, "ns", goal=20.0),
-        Figure(f"inverse model, {what}", 1e9 * inverse, "ns", goal=20.0),
-        Figure(f"forward model, {what}", 1e9 * forward, "ns", goal=20.0),
+        Figure(f"{verb}, {what}", 1e9 * seconds(call, setting) / rows, "ns", goal=20.0) for verb, call in verbs.items()
     ]

@@ -139,6 +139,37 @@ def test_at_rest_the_wheels_stay(name):
     np.testing.assert_array_equal(base.wheel_speeds(np.zeros(3)), 0.0)
 
 
+def test_limited_wheels_turn_around_their_rest_whatever_they_stand_at():
+    car = BASES["ackermann"]
+    v = np.array([0.05, 0.0, -1.2])  # 2.3 m to the side of a front wheel that points the other way
+    np.testing.assert_allclose(car.steering(v, [1.5, 1.5]), car.steering(v), atol=1e-12)
+    assert np.abs(car.steering(v, [1.5, 1.5])).max() <= np.pi / 2
+
+
+@given(st.sampled_from(["swerve", "synchro"]), twists, st.integers(-30, 30))
+def test_half_turns_of_the_wheels_do_not_matter(name, v, turns):
+    base = BASES[name]
+    assume(np.linalg.norm(v[:2]) > 0.01)
+    straight = base.steering(v)
+    np.testing.assert_allclose(
+        base.steering(v, straight + turns * np.pi + 0.1), straight + turns * np.pi, rtol=0.0, atol=1e-12
+    )
+
+
+@pytest.mark.parametrize("name", ["swerve", "tricycle", "synchro"])
+def test_the_forward_model_of_wheels_that_steer_and_drive_solves_nothing(name):
+    kernel = BASES[name].kernel("twist")
+    assert "/" not in "".join(line for line in kernel.source.splitlines() if line.startswith("t"))
+    assert [f.name for f in kernel.outputs] == ["twist"]
+
+
+def test_the_inverse_model_of_wheels_that_steer_alone_takes_no_trigonometry():
+    kernel = BASES["swerve"].kernel("free_wheel_speeds")
+    assert "sincos" not in kernel.source.replace("import sincos", "")
+    assert "arctan2(" not in kernel.source
+    assert [f.name for f in kernel.outputs] == ["speeds"]
+
+
 @pytest.mark.parametrize("name", ["tricycle", "ackermann", "synchro", "swerve", "mecanum"])
 def test_compiled_equals_float_form(name):
     base = BASES[name]
@@ -156,7 +187,7 @@ def test_compiled_equals_float_form(name):
     plain, drag = base.equation("wheel_speeds").equation(list(v[0]), angles)
     np.testing.assert_allclose(speeds[0], plain, atol=1e-11)
     assert abs(drag[0]) < 1e-12
-    plain, _ = base.equation("twist").equation(list(speeds[0]), angles)
+    plain, *_ = base.equation("twist").equation(list(speeds[0]), angles)
     np.testing.assert_allclose(plain, v[0], atol=1e-11)
 
 

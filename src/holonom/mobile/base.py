@@ -13,8 +13,10 @@ from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError
 from holonom.mobile import base_equations
 from holonom.mobile.castors import CastorRates, castor_rates
 from holonom.mobile.equations.base_models import Layout
+from holonom.mobile.equations.forward import DETERMINED
 from holonom.mobile.evaluation import BaseEquation, finite, product, samples
 from holonom.mobile.mobility import check_movable, seen_twists
+from holonom.mobile.refusals import beyond_steering, dragged_wheel, undetermined
 from holonom.mobile.wheel import KINDS, Wheel
 from holonom.mobile.wheel_set import named_wheels, positive
 from holonom.mobile.wheel_set import steering_groups as grouped
@@ -25,8 +27,6 @@ __all__ = ["WheelBase"]
 Array = NDArray[np.float64]
 DRAG = 1e-6
 """Sideways speed of a wheel, m/s, below which a twist counts as one that drags nothing."""
-DETERMINED = 1e-9
-"""Determinant of the normal matrix, over about the largest that it could have, below which no twist is determined."""
 
 
 class WheelBase:
@@ -172,12 +172,9 @@ class WheelBase:
             return np.zeros((*twists.shape[:-1], 0))
         given = (twist,) if current is None else (twist, current)
         found = self.equation("steering" if current is None else "steering_near")(*given, out=out, threads=threads)[0]
-        for limit, names, angles in zip(self._max_steering, self.steered, np.moveaxis(found, -1, 0), strict=True):
-            if limit < math.pi / 2 and np.abs(angles).max(initial=0.0) > limit + 1e-9:
-                raise OutOfLimits(
-                    f"{names!r} would have to steer {np.abs(angles).max():.4g} rad; its max_steering is "
-                    f"{limit:.4g} rad: ask for a wider turn"
-                )
+        refused = beyond_steering(self, found, self._max_steering)
+        if refused is not None:
+            raise refused
         return found
 
     @functools.cached_property
@@ -207,28 +204,17 @@ class WheelBase:
         if not self.steered:
             self._angles(steering)
             twists = samples("twist", twist, 3)
-            speeds, dragged = product(twists, self._inverse, out), twists @ self._sideways
+            speeds, *drags = product(twists, self._inverse, out), twists @ self._sideways
         else:
             if steering is None and any(x < math.pi / 2 for x in self._max_steering):
                 steering = self.steering(twist)
             given = (twist,) if steering is None else (twist, steering)
             name = "free_wheel_speeds" if steering is None else "wheel_speeds"
-            speeds, dragged = self.equation(name)(*given, out=out, threads=threads)
-        if max(dragged.max(initial=0.0), -dragged.min(initial=0.0)) > tolerance:
-            self._refuse(twist, steering, np.abs(dragged).max(axis=-1, keepdims=True))
+            speeds, *drags = self.equation(name)(*given, out=out, threads=threads)
+        for drag in drags:
+            if max(drag.max(initial=0.0), -drag.min(initial=0.0)) > tolerance:
+                raise dragged_wheel(self, twist, steering, drag)
         return speeds
-
-    def _refuse(self, twist: ArrayLike, steering: ArrayLike | None, dragged: Array) -> None:
-        row = np.unravel_index(int(dragged[..., 0].argmax()), dragged.shape[:-1])
-        at = self.steering(twist) if steering is None else self._angles(steering)
-        xi = np.broadcast_to(samples("twist", twist, 3), (*dragged.shape[:-1], 3))[row]
-        speed = self.sliding_matrix(np.broadcast_to(at, (*dragged.shape[:-1], at.shape[-1]))[row]) @ xi
-        worst = int(np.argmax(np.abs(speed) > (1.0 - 1e-9) * np.abs(speed).max()))  # the first of those on one axle
-        place = f" in row {tuple(int(k) for k in row)}" if row else ""
-        raise OutOfLimits(
-            f"twist ({', '.join(f'{v:.6g}' for v in xi)}){place} would drag wheel {self.sliding_names[worst]!r} "
-            f"sideways at {abs(speed[worst]):.4g} m/s; base.feasible(twist) gives the nearest that drags none"
-        )
 
     # forward model
 
@@ -252,9 +238,9 @@ class WheelBase:
             self._angles(steering)
             return product(samples("speeds", speeds, len(self.driven)), self._forward, out)
         angles = np.zeros(len(self.steered)) if steering is None else steering
-        found, determined = self.equation("twist")(speeds, angles, out=out, threads=threads)
-        if determined.min(initial=1.0) < DETERMINED:
-            raise self._undetermined()
+        found, *measures = self.equation("twist")(speeds, angles, out=out, threads=threads)
+        if any(determined.min(initial=1.0) < DETERMINED for determined in measures):
+            raise undetermined(self)
         return found
 
     def residual(self, speeds: ArrayLike, steering: ArrayLike | None = None) -> Array:
@@ -354,8 +340,14 @@ class WheelBase:
 
     @functools.cached_property
     def _sideways(self) -> Array:
-        """(3, rows): rows of twists times this are sideways speeds."""
-        return np.ascontiguousarray(self.sliding_matrix().T)
+        """(3, axles): rows of twists times this are sideways speeds, one for all wheels on one axle.
+
+        A lone one stands twice: a product with one column takes BLAS longer than with two.
+        """
+        rows = self.sliding_matrix()
+        first = np.take_along_axis(rows, (np.abs(rows) > 1e-12).argmax(axis=1)[:, None], axis=1)
+        _, distinct = np.unique(np.round(rows * np.sign(first), 12), axis=0, return_index=True)
+        return np.ascontiguousarray(rows[np.repeat(distinct, 2 if len(distinct) == 1 else 1)].T)
 
     @functools.cached_property
     def _forward(self) -> Array:
@@ -363,12 +355,6 @@ class WheelBase:
         scale = np.array([1.0, 1.0, 1.0 / self.radius])
         rows = np.concatenate([self.rolling_matrix()[self._driven_rows], self.sliding_matrix()]) * scale
         if np.linalg.matrix_rank(rows, tol=1e-7) < 3:
-            raise self._undetermined()
+            raise undetermined(self)
         pinv = np.linalg.pinv(rows)[:, : len(self.driven)]
         return np.ascontiguousarray((scale[:, None] * pinv * self.wheel_radii).T)
-
-    def _undetermined(self) -> InputError:
-        return InputError(
-            f"speeds of {', '.join(self.driven)} do not determine the twist of base {self.name!r}"
-            f"{' at this steering' if self.steered else ''}; drive or constrain it with another wheel"
-        )

@@ -8,7 +8,10 @@ from typing import Any
 from holonom.errors import UnknownName
 from holonom.mobile.equations import base_models as models
 from holonom.mobile.equations.base_models import Layout
+from holonom.mobile.equations.forward import always_determined, twist_of_speeds
+from holonom.mobile.equations.steering import free_wheel_speeds, steering_angles
 from holonom.mobile.evaluation import BaseEquation
+from holonom.mobile.wheel import KINDS
 
 __all__ = ["EQUATIONS", "make"]
 
@@ -26,37 +29,43 @@ def _wheel_speeds(layout: Layout, m: int) -> BaseEquation:
 
 
 def _free_wheel_speeds(layout: Layout, m: int) -> BaseEquation:
-    def equation(twist: Row) -> tuple[Any, list[Any]]:
-        speeds, drag = models.free_wheel_speeds(layout, list(twist))
-        return speeds, [drag]
+    """Without a drag where all wheels that might drag steer alone."""
+    alone = {layout.wheels[g[0]].name for g in layout.groups if len(g) == 1}
+    held = any(w.name not in alone and KINDS[w.kind].sliding(w, 0.0, 1.0) for w in layout.wheels)
 
-    return BaseEquation(equation, {"twist": 3}, {"speeds": m, "drag": 1}, "free_wheel_speeds")
+    def equation(twist: Row) -> tuple[Any, ...]:
+        speeds, drag = free_wheel_speeds(layout, list(twist))
+        return (speeds, [drag]) if held else (speeds,)
+
+    return BaseEquation(equation, {"twist": 3}, {"speeds": m, **({"drag": 1} if held else {})}, "free_wheel_speeds")
 
 
 def _steering(layout: Layout, m: int) -> BaseEquation:
     k = len(layout.groups)
     return BaseEquation(
-        lambda twist: (models.steering_angles(layout, list(twist), None),), {"twist": 3}, {"steering": k}, "steering"
+        lambda twist: (steering_angles(layout, list(twist), None),), {"twist": 3}, {"steering": k}, "steering"
     )
 
 
 def _steering_near(layout: Layout, m: int) -> BaseEquation:
     k = len(layout.groups)
     return BaseEquation(
-        lambda twist, current: (models.steering_angles(layout, list(twist), current),),
+        lambda twist, current: (steering_angles(layout, list(twist), current),),
         {"twist": 3, "current": k}, {"steering": k}, "steering_near",
     )  # fmt: skip
 
 
 def _twist(layout: Layout, m: int) -> BaseEquation:
-    k = len(layout.groups)
+    """Without a measure of it where the twist is determined at any steering."""
+    k, always = len(layout.groups), always_determined(layout)
 
-    def equation(speeds: Row, steering: Row) -> tuple[Any, list[Any]]:
+    def equation(speeds: Row, steering: Row) -> tuple[Any, ...]:
         axles = models.axles_at(layout, steering if k else ())
-        twist, determined = models.twist_of_speeds(layout, list(speeds), axles)
-        return twist, [determined]
+        twist, determined = twist_of_speeds(layout, list(speeds), axles)
+        return (twist,) if always else (twist, [determined])
 
-    return BaseEquation(equation, {"speeds": m, "steering": max(k, 1)}, {"twist": 3, "determined": 1}, "base_twist")
+    outputs = {"twist": 3, **({} if always else {"determined": 1})}
+    return BaseEquation(equation, {"speeds": m, "steering": max(k, 1)}, outputs, "base_twist")
 
 
 def _rolling(layout: Layout, m: int) -> BaseEquation:

@@ -17,7 +17,7 @@ __all__ = ["BaseEquation", "finite", "product", "samples", "written"]
 
 Array = NDArray[np.float64]
 COMPILE_FROM = 512
-"""Samples, over all calls, from which on a kernel is compiled: a base that is asked a few times costs no compilation."""
+"""Samples, over all calls, from which on a kernel is compiled: a base asked a few times costs no compilation."""
 CALL = 16
 """Samples that a call counts for at least: a loop that calls for one sample each is compiled after 32 calls."""
 

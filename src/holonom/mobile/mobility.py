@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from holonom.errors import ModelError
 from holonom.mobile.centre import axle_miss
-from holonom.mobile.equations.base_models import Axle, Layout, axles_at, sliding_rows, steering_angles
+from holonom.mobile.equations.base_models import Axle, Layout, axles_at, sliding_rows
+from holonom.mobile.equations.steering import steering_angles
 from holonom.mobile.wheel import KINDS
 
 if TYPE_CHECKING:

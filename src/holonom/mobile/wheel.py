@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from holonom.errors import ModelError, UnknownName
-from holonom.mobile.equations.wheels import Row, rolling_row, sliding_row, spin_row, swedish_row
+from holonom.mobile.equations.wheels import Row, rolling_row, sliding_row, spin_row, swedish_row, unit
 from holonom.trace import Number
 
 __all__ = ["KINDS", "Kind", "Wheel"]
@@ -114,12 +114,12 @@ class Wheel:
     @property
     def x(self) -> float:
         """Place forwards of the origin of base_link, m."""
-        return self.l * math.cos(self.alpha)
+        return self.l * unit(self.alpha)[1]
 
     @property
     def y(self) -> float:
         """Place to the left of the origin of base_link, m."""
-        return self.l * math.sin(self.alpha)
+        return self.l * unit(self.alpha)[0]
 
     @property
     def axle(self) -> float:

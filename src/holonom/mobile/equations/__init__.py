@@ -2,7 +2,9 @@
 
 ================  ==========================================================
 `wheels`          rolling and sliding row of one wheel
-`base_models`     inverse and forward model of a base, angles of its steering
+`base_models`     rows of a base and its inverse model at given steering
+`steering`        angles of its steering, and its inverse model at those
+`forward`         its forward model, by least squares
 ================  ==========================================================
 """
 

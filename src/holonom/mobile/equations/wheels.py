@@ -7,13 +7,31 @@ A row times the twist (vx, vy, w) of the base is a speed in m/s.
 
 from __future__ import annotations
 
+import functools
 import math
+import operator
+from collections.abc import Iterable
 
-from holonom.trace import Number, cos, sin
+from holonom.trace import Number
 
-__all__ = ["Row", "rolling_row", "sliding_row", "spin_row", "swedish_row"]
+__all__ = ["Row", "contact_velocity", "rolling_row", "sliding_row", "spin_row", "summed", "swedish_row", "unit"]
 
 Row = list[Number]
+ROUNDING = 1e-15
+"""Sine or cosine, and place over distance, that is 0 but for the rounding of an angle."""
+
+
+def unit(angle: float) -> tuple[float, float]:
+    """Sine and cosine, exactly 0 and +-1 at quarter turns: what is 0 then drops out of compiled equations."""
+    s, c = math.sin(angle), math.cos(angle)
+    if abs(s) < ROUNDING:
+        return 0.0, math.copysign(1.0, c)
+    return (math.copysign(1.0, s), 0.0) if abs(c) < ROUNDING else (s, c)
+
+
+def contact_velocity(x: float, y: float, twist: Row) -> tuple[Number, Number]:
+    """Velocity of the base at (x, y), m/s: times the unit vector of a row it is that row times the twist."""
+    return twist[0] - y * twist[2], twist[1] + x * twist[2]
 
 
 def rolling_row(x: float, y: float, s: Number, c: Number) -> Row:
@@ -31,10 +49,15 @@ def swedish_row(x: float, y: float, axle: float, gamma: float) -> Row:
 
     What lies across is lost to the rollers. `axle` is alpha + beta.
     """
-    row = rolling_row(x, y, sin(axle + gamma), cos(axle + gamma))
+    row = rolling_row(x, y, *unit(axle + gamma))
     return [a / math.cos(gamma) for a in row]
 
 
 def spin_row(radius: float) -> Row:
     """Rim speed of a ball that its drive spins about the vertical, while the ball stands still on the floor."""
     return [0.0, 0.0, radius]
+
+
+def summed(terms: Iterable[Number]) -> Number:
+    """Sum of at least one term; unlike `sum` it adds no zero."""
+    return functools.reduce(operator.add, terms)
