@@ -11,13 +11,23 @@ from hypothesis import strategies as st
 from scipy.signal import cont2discrete
 
 from holonom.control import ServoAxis
-from holonom.control.base_kernels import traction_step, watch_step, within_slip
+from holonom.control.base_kernels import (
+    JAMMED,
+    OPEN,
+    WORKS,
+    Suspicion,
+    traction_step,
+    watch_step,
+    watch_verdict,
+    within_slip,
+)
 from holonom.control.base_tuning import tune_wheel
 from holonom.control.traction import TractionSettings, WatchSettings
 from holonom.errors import OutOfLimits
 
 TRACTION = TractionSettings()
 PARAMS = TRACTION.params(1e-3)
+WATCH = WatchSettings().params(1e-3)
 AXIS = ServoAxis(1.2, 0.56e-3, 25.5e-3, 25.5e-3, 2.7e-4, 14.8, 8.0, 580.0, 4096)
 SPINNING = 1.2e-5
 
@@ -51,24 +61,39 @@ def test_commanded_slip_is_limited(wanted: float, ground: float) -> None:
 @pytest.mark.parametrize(
     ("measured", "modelled", "speed", "reference", "grows"),
     [
-        (0.0, 1.0, 50.0, 50.0, True),  # no current where there must be some
-        (0.9, 1.0, 50.0, 50.0, False),
-        (5.0, 5.0, 0.0, 50.0, True),  # current, but it stands
-        (5.0, 5.0, 0.0, 0.0, False),  # as it is told to
-        (0.0, 0.1, 50.0, 50.0, False),  # proves nothing
+        (0.0, 1.0, 50.0, 50.0, "open"),  # no current where there must be some
+        (0.0, 1.0, 0.0, 50.0, "open"),  # so, too, at standstill: it is not jammed
+        (0.9, 1.0, 50.0, 50.0, ""),
+        (5.0, 5.0, 0.0, 50.0, "jam"),  # current, but it stands
+        (5.0, 5.0, 0.0, 0.0, ""),  # as it is told to
+        (0.0, 0.1, 50.0, 50.0, ""),  # proves nothing
+        (5.0, 5.0, 2.0, 50.0, ""),  # slow, but it turns
     ],
 )
-def test_evidence_against_a_motor(
-    measured: float, modelled: float, speed: float, reference: float, grows: bool
-) -> None:
-    watch = WatchSettings().params(1e-3)
-    assert (watch_step(watch, 0.01, measured, modelled, speed, reference) > 0.01) == grows
+def test_evidence_against_a_motor(measured: float, modelled: float, speed: float, reference: float, grows: str) -> None:
+    before = Suspicion(0.01, 0.01)
+    after = watch_step(WATCH, before, measured, modelled, speed, reference)
+    assert {name for name in before._fields if getattr(after, name) > 0.01} == ({grows} if grows else set())
 
 
 def test_evidence_for_a_motor_takes_it_back() -> None:
-    watch = WatchSettings().params(1e-3)
-    assert watch_step(watch, 0.01, 1.0, 1.0, 50.0, 50.0) == pytest.approx(0.009)
-    assert watch_step(watch, 0.01, 0.0, 0.0, 50.0, 50.0) == 0.01
+    before = Suspicion(0.01, 0.01)
+    assert watch_step(WATCH, before, 1.0, 1.0, 50.0, 50.0) == pytest.approx((0.009, 0.0))
+    assert watch_step(WATCH, before, 0.0, 0.0, 50.0, 50.0) == before
+
+
+@pytest.mark.parametrize(("current", "explained", "verdict", "time"), [
+    (0.0, False, OPEN, 0.03), (0.0, True, OPEN, 0.03), (5.0, False, JAMMED, 0.04), (5.0, True, JAMMED, 0.16),
+    (1.5, False, JAMMED, 0.16),
+])  # fmt: skip
+def test_verdict_on_a_motor_that_stands(current: float, explained: bool, verdict: int, time: float) -> None:
+    """Current tells an open winding from a jam; that takes longer where slip or little force may explain it."""
+    seen, samples = Suspicion(0.0, 0.0), 0
+    while watch_verdict(WATCH, seen) == WORKS:
+        seen = watch_step(WATCH, seen, current, 4.0, 0.0, 50.0, explained)
+        samples += 1
+    assert watch_verdict(WATCH, seen) == verdict
+    assert samples == pytest.approx(1e3 * time, abs=1)
 
 
 @given(st.floats(1.0, 60.0), st.floats(5e-6, 1e-4))
@@ -113,6 +138,8 @@ def test_bad_input() -> None:
         WatchSettings(least_part=1.5)
     with pytest.raises(OutOfLimits, match="patience"):
         WatchSettings(patience=0.0)
+    with pytest.raises(OutOfLimits, match="doubt"):
+        WatchSettings(doubt=2.0)
     with pytest.raises(OutOfLimits, match="spinning_inertia"):
         tune_wheel(AXIS, 1.0)
     with pytest.raises(OutOfLimits, match="phase_margin"):

@@ -141,6 +141,39 @@ def test_a_dead_motor_is_found_and_done_without(wheel: int) -> None:
     assert (log.currents[2501:, wheel] == 0.0).all()
 
 
+@pytest.mark.parametrize("time", [0.0, 0.2])
+@pytest.mark.parametrize("wheel", range(4))
+def test_a_motor_that_is_dead_at_standstill_is_done_without(wheel: int, time: float) -> None:
+    """Without current it is not jammed, though its wheel still stands: the base drives on."""
+    log = run(faults=[BaseFault(time, wheel)])
+    assert (log.dead[-1] == (np.arange(4) == wheel)).all()
+    assert not log.jammed.any()
+    assert log.ended == "done"
+    assert log.rate[-1] > 0.3
+    assert log.path_error.max() < 0.05
+
+
+@pytest.mark.parametrize("size", [0.6, 50.0])
+@pytest.mark.parametrize("centre", [(2.3, 1.0), (1.1, 0.6), (-1.4, 0.7)])
+def test_no_motor_is_dead_on_ice(centre: tuple[float, float], size: float) -> None:
+    """Wheels that stand while they are told to turn, current flowing, because others slip: none is jammed."""
+    eight = plan_path(figure_of_eight(5.0), PathLimits(2.0, 2.5))
+    for seed in range(3):
+        log = run(eight, floor=Floor(CARPET, (RectangularPatch(centre, size, size),)), seed=seed)
+        assert not log.dead.any()
+        assert log.ended == "done"
+
+
+@pytest.mark.parametrize("wheel", range(4))
+@pytest.mark.parametrize("time", [1.0, 2.0, 3.0])
+def test_a_jammed_wheel_is_found(wheel: int, time: float) -> None:
+    """Only that one, though the base that it holds makes others stand."""
+    log = run(faults=[BaseFault(time, wheel, "blocked")])
+    assert (log.jammed[-1] == (np.arange(4) == wheel)).all()
+    assert log.time[int(log.jammed[:, wheel].argmax())] - time < 0.35
+    assert log.ended == "jammed"
+
+
 def test_a_dead_motor_without_compensation() -> None:
     log = run(faults=[BaseFault(2.5, 1)])
     alone = run(faults=[BaseFault(2.5, 1)], settings=BaseSettings(watch=None))

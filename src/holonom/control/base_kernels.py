@@ -14,9 +14,13 @@ from numba import njit
 from numpy.typing import NDArray
 
 __all__ = [
+    "JAMMED",
+    "OPEN",
+    "WORKS",
     "EstimateParams",
     "KeepingParams",
     "Planar",
+    "Suspicion",
     "TractionParams",
     "WatchParams",
     "allocation",
@@ -30,11 +34,14 @@ __all__ = [
     "traction_step",
     "wanted_acceleration",
     "watch_step",
+    "watch_verdict",
     "within_slip",
 ]
 
 Floats = NDArray[np.float64]
 
+WORKS, OPEN, JAMMED = 0, 1, 2
+"""What the watch says of a motor."""
 MOST_BIAS = 0.02  # rad/s, of a difference between gyro and wheels that counts for the gyro's zero
 
 
@@ -82,7 +89,7 @@ class TractionParams(NamedTuple):
 
 
 class WatchParams(NamedTuple):
-    """Motor watch: current (A) that proves something, part of it that must flow, speeds (rad/s), time (s)."""
+    """Motor watch: currents (A), part of the current that must flow, speeds (rad/s), times (s), doubt."""
 
     dt: float
     least_current: float
@@ -90,6 +97,16 @@ class WatchParams(NamedTuple):
     standstill: float
     least_reference: float
     patience: float
+    jam_patience: float
+    holding_current: float
+    doubt: float
+
+
+class Suspicion(NamedTuple):
+    """Time (s) for which a motor drew no current where it must, and for which it stood where it must not."""
+
+    open: float
+    jam: float
 
 
 @njit(cache=True, error_model="numpy")
@@ -292,22 +309,42 @@ def within_slip(params: TractionParams, wanted: float, ground: float) -> float:
 
 @njit(cache=True, error_model="numpy")
 def watch_step(
-    params: WatchParams, suspicion: float, measured: float, modelled: float, speed: float, reference: float
-) -> float:
-    """Time (s) for which a motor has not done as it was told; `patience` is enough to call it dead.
+    params: WatchParams,
+    before: Suspicion,
+    measured: float,
+    modelled: float,
+    speed: float,
+    reference: float,
+    explained: bool = False,
+) -> Suspicion:
+    """Evidence against a motor one sample later; `watch_verdict` says what it amounts to.
 
-    Currents in A: what the shunt measures, and what the armature must draw at the commanded voltage and the
-    measured speed. No current where there must be some: the winding is open. Standstill (speeds in rad/s)
-    against the command with current flowing: it is jammed. Other evidence takes time back; none leaves it.
+    Currents in A: what the shunt measures, and what the armature must draw at the commanded voltage and the measured
+    speed. No current where there must be some: the winding is open, whether it turns or not. Current flows and the
+    motor stands (speeds in rad/s) against the command: it is jammed. That is weaker evidence, by the square, the less
+    current flows of what the floor could hold, and weaker where something else may explain a standing wheel
+    (`explained`: other wheels slip, so that the base itself moves otherwise than told). Other evidence takes time back;
+    no current asked for is none.
     """
-    flowing = abs(modelled) > params.least_current
-    if flowing and abs(measured) < params.least_part * abs(modelled):
-        return suspicion + params.dt
-    if flowing and abs(reference) > params.least_reference:
-        if abs(speed) < params.standstill:
-            return suspicion + params.dt
-        return max(suspicion - params.dt, 0.0)
-    return suspicion
+    if abs(modelled) <= params.least_current:
+        return before
+    if abs(measured) < params.least_part * abs(modelled):
+        return Suspicion(before.open + params.dt, before.jam)
+    opened = max(before.open - params.dt, 0.0)
+    if abs(reference) <= params.least_reference:
+        return Suspicion(opened, before.jam)
+    if abs(speed) < params.standstill:
+        part = min(abs(measured) / params.holding_current, 1.0)
+        return Suspicion(opened, before.jam + (params.doubt if explained else 1.0) * part * part * params.dt)
+    return Suspicion(opened, 0.0)
+
+
+@njit(cache=True, error_model="numpy")
+def watch_verdict(params: WatchParams, suspicion: Suspicion) -> int:
+    """What is wrong with a motor: `WORKS`, `OPEN` (no current, it turns freely) or `JAMMED`."""
+    if suspicion.open >= params.patience:
+        return OPEN
+    return JAMMED if suspicion.jam >= params.jam_patience else WORKS
 
 
 @njit(cache=True, error_model="numpy")

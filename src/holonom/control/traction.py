@@ -48,7 +48,7 @@ class TractionSettings:
 
 @dataclass(frozen=True, slots=True)
 class WatchSettings:
-    """When a motor counts as dead; law in `control.base_kernels.watch_step`.
+    """When a motor counts as dead or jammed; laws in `control.base_kernels.watch_step` and `watch_verdict`.
 
     Attributes
     ----------
@@ -57,21 +57,29 @@ class WatchSettings:
     least_part
         Part of the modelled current that a live motor draws at least.
     standstill, least_reference
-        rad/s of the motor: slower is standing; faster a command proves something.
-    patience
-        s of evidence.
+        rad/s of the motor: slower is standing, the noise of an encoder count; faster a command proves something.
+    patience, jam_patience
+        s of evidence for an open winding, and for a jam. A wheel of a base that others push may pass through standstill
+        against its command; one that is jammed stays there.
+    holding_current
+        A, about as much as the floor can hold a wheel against: with more of it a wheel that is not jammed turns.
+    doubt
+        Part of the time that counts as evidence of a jam while the slip of other wheels may explain it.
 
     Raises
     ------
     OutOfLimits
-        A number that is not positive, or a part of 1 and more.
+        A number that is not positive, a part of 1 and more, a doubt above 1.
     """
 
     least_current: float = 0.25
     least_part: float = 0.3
-    standstill: float = 2.0
-    least_reference: float = 20.0
+    standstill: float = 0.4
+    least_reference: float = 15.0
     patience: float = 0.03
+    jam_patience: float = 0.04
+    holding_current: float = 3.0
+    doubt: float = 0.25
 
     def __post_init__(self) -> None:
         if not 0.0 < self.least_part < 1.0:
@@ -82,13 +90,19 @@ class WatchSettings:
             standstill=self.standstill,
             least_reference=self.least_reference,
             patience=self.patience,
+            jam_patience=self.jam_patience,
+            holding_current=self.holding_current,
+            doubt=self.doubt,
         )
+        if self.doubt > 1.0:
+            raise OutOfLimits(f"WatchSettings: doubt is {self.doubt!r}; it must be above 0 and at most 1")
 
     def params(self, dt: float) -> WatchParams:
         """Params of `watch_step` at a sample time, s."""
         return WatchParams(
-            dt, self.least_current, self.least_part, self.standstill, self.least_reference, self.patience
-        )
+            dt, self.least_current, self.least_part, self.standstill, self.least_reference,
+            self.patience, self.jam_patience, self.holding_current, self.doubt,
+        )  # fmt: skip
 
 
 def _times(owner: str, **values: float) -> None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.control.base_kernels import JAMMED, WORKS
 from holonom.mobile.drive.slip import SlipStatus
 from holonom.signals import Event
 from holonom.sim.base.records import BODY_GROUPS
@@ -49,8 +50,8 @@ class BaseLog:
         (N, m) `m - D D^+ m` of the measured rim speeds, m/s.
     status, named
         (N,) codes of `SlipStatus`; (N, m) wheels named as slipping.
-    dead
-        (N, m) motors that the controller takes for dead.
+    dead, jammed
+        (N, m) motors that the controller drives without; those of them that it takes for jammed.
     gyro, acceleration
         (N,) rad/s and (N, 2) m/s^2 as the IMU measures them.
     energy
@@ -88,6 +89,7 @@ class BaseLog:
     status: NDArray[np.int64]
     named: NDArray[np.bool_]
     dead: NDArray[np.bool_]
+    jammed: NDArray[np.bool_]
     gyro: Array
     acceleration: Array
     energy: Array
@@ -130,7 +132,7 @@ def log_of(
     events = [
         *told,
         *_slip_events(time, body["status"], named, names),
-        *_dead_events(time, wheels["dead"], body["rate"], names),
+        *_lost_events(time, wheels["lost"], body["rate"], names),
     ]
 
     columns = body.view(np.float64).reshape(len(body), -1)
@@ -162,7 +164,8 @@ def log_of(
         residuals=wheels["residual"],
         status=body["status"],
         named=named,
-        dead=wheels["dead"],
+        dead=wheels["lost"] != WORKS,
+        jammed=wheels["lost"] == JAMMED,
         gyro=body["gyro"],
         acceleration=groups["acceleration"],
         energy=groups["energy"],
@@ -196,19 +199,17 @@ def _slip_text(named: list[str]) -> str:
     return f"{' and '.join(named)} {'slips' if len(named) == 1 else 'slip'}"
 
 
-def _dead_events(time: Array, dead: NDArray[np.bool_], rate: Array, names: Sequence[str]) -> list[Event]:
-    """When each motor was found dead, and at what part of its speed the path goes on."""
-    last = len(time) - 1
-    return [
-        Event(
-            float(time[k]), "error", "motor watch", f"the motor of {names[i]} does not do as told; {_go_on(rate[last])}"
-        )
-        for i in range(dead.shape[1])
-        if dead[last, i] and (k := int(dead[:, i].argmax())) >= 0
-    ]
+def _lost_events(time: Array, lost: NDArray[np.int64], rate: Array, names: Sequence[str]) -> list[Event]:
+    """When each motor was found lost, and how the base goes on."""
+    events = []
+    for name, codes in zip(names, lost.T, strict=True):
+        if (codes != WORKS).any():
+            text = f"the motor of {name} does not do as told; {_go_on(int(codes[-1]), float(rate[-1]))}"
+            events.append(Event(float(time[int((codes != WORKS).argmax())]), "error", "motor watch", text))
+    return events
 
 
-def _go_on(rate: float) -> str:
-    if rate <= 0.0:
+def _go_on(lost: int, rate: float) -> str:
+    if lost == JAMMED:
         return "it is jammed, the base stops"
-    return "driving on without it" + (f", at {100.0 * rate:.0f} % of the speed" if rate < 0.999 else "")
+    return "driving on without it" + (f", at {100.0 * rate:.0f} % of the speed" if 0.0 < rate < 0.999 else "")

@@ -14,9 +14,12 @@ from numba import njit
 from numpy.typing import NDArray
 
 from holonom.control.base_kernels import (
+    JAMMED,
+    WORKS,
     EstimateParams,
     KeepingParams,
     Planar,
+    Suspicion,
     TractionParams,
     WatchParams,
     allocation,
@@ -30,6 +33,7 @@ from holonom.control.base_kernels import (
     traction_step,
     wanted_acceleration,
     watch_step,
+    watch_verdict,
     within_slip,
 )
 from holonom.control.kernels import speed_step
@@ -44,9 +48,9 @@ from holonom.devices.kernels import (
 from holonom.mobile.drive.slip_kernels import NO_SLIP, SlipParams, SlipState, slip_start, slip_step
 from holonom.sim.base.kernels import BLOCKED, RUNS, find_material, plant_step
 
-__all__ = ["CUT_OFF", "DONE", "JAMMED", "LoopParams", "SensorParams", "drive_open", "run_loop"]
+__all__ = ["CUT_OFF", "DONE", "STOPPED", "LoopParams", "SensorParams", "drive_open", "run_loop"]
 
-DONE, JAMMED, CUT_OFF = 0, 1, 2
+DONE, STOPPED, CUT_OFF = 0, 1, 2
 """How a run ends: at the path's end, stopped by a jammed wheel, out of time because it is driven too slowly."""
 STANDING = 500  # ms after which a base that had to stop is done
 SLIPPING_WEIGHT = 0.3  # in the allocation of force: a wheel on ice is asked last
@@ -106,7 +110,7 @@ def run_loop(
     """Follow a reference (N, 9) from the present state and log each millisecond (docstring of `simulate_base`).
 
     `faults` (k, 3): tick, wheel, kind, in order of time. Returns the milliseconds it took, at most the logs' length;
-    how it ended (`DONE`, `JAMMED`, `CUT_OFF`); the last phase on the reference, in samples.
+    how it ended (`DONE`, `STOPPED`, `CUT_OFF`); the last phase on the reference, in samples.
     """
     m = len(wheels)
     b, base = body[0], state[0]
@@ -121,7 +125,7 @@ def run_loop(
         if phase > len(reference) - 1:
             return k, DONE, phase
         if stood >= STANDING:
-            return k, JAMMED, phase
+            return k, STOPPED, phase
         while fault < len(faults) and faults[fault, 0] <= k:
             _break_motor(states[faults[fault, 1]], faults[fault, 2])
             fault += 1
@@ -138,10 +142,10 @@ def run_loop(
         elif params.detect:
             slip, found = slip_step(params.slip, slip, rims, gyro - base.gyro_bias, acceleration)
             base.status, base.flagged = found.status, found.named
-        lost = _watch_motors(params.watch, wheels, states) if params.compensate else 0
+        lost = _watch_motors(params.watch, wheels, states, base) if params.compensate else 0
         if lost != dead or base.flagged != named:
             new, named, dead = lost != dead, base.flagged, lost
-            jammed = _set_weights(params.watch.standstill, params.control_traction, states, named, dead, trust, weights)
+            jammed = _set_weights(params.control_traction, states, named, trust, weights)
             allocation(rows, weights, share)
             if new and jammed:
                 goal = 0.0
@@ -155,7 +159,7 @@ def run_loop(
         twist = _estimate(params.estimate, rows, base, trust, rims, gyro, imu_x, imu_y)
         _log_body(base, gyro, imu_x, imu_y, body_log[k])
         _log_reference(now, rate, body_log[k])
-        _log_wheels(wheels, states, dead, wheel_log[k])
+        _log_wheels(wheels, states, wheel_log[k])
         command, ahead = _keep_path(keeping, base, now)
         wanted = wanted_acceleration(keeping, command, twist, ahead)
         if rate <= 0.0:  # the base had to stop: hold the wheels
@@ -168,7 +172,7 @@ def run_loop(
             push = part * ground_speed(share, i, force)
             if params.control_traction:
                 push = _control_traction(params.traction, wheel, own, ground_speed(rows, i, twist), push)
-            _drive(wheel, own, push, ground_speed(rows, i, wanted), (dead >> i) & 1 == 1)
+            _drive(wheel, own, push, ground_speed(rows, i, wanted))
             wheel_log[k, i].reference_speed = states[i].rim_reference / wheels[i].radius
         _floor(floor, patches, base, wheels, states)
         for _ in range(b.substeps):
@@ -199,7 +203,7 @@ def drive_open(
         _floor(floor, patches, base, wheels, states)
         for i in range(len(wheels)):
             states[i].voltage = voltages[k, i]
-            _log_wheel(wheels[i], states[i], False, wheel_log[k, i])
+            _log_wheel(wheels[i], states[i], wheel_log[k, i])
         for _ in range(body[0].substeps):
             plant_step(body[0], base, wheels, states, support)
 
@@ -238,33 +242,40 @@ def _sense(wheel: Any, own: Any, current_noise: float) -> float:
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _watch_motors(params: WatchParams, wheels: Records, states: Records) -> int:
-    """Set (bit i: wheel i) of the motors that do not do as they are told; once dead they stay so."""
-    dead = 0
+def _watch_motors(params: WatchParams, wheels: Records, states: Records, base: Any) -> int:
+    """Set (bit i: wheel i) of the motors that do not do as they are told; once lost they stay so.
+
+    A jammed wheel holds the base, so that others may stand, too: they are not suspected of a jam any more.
+    """
+    lost, held = 0, False
+    for i in range(len(wheels)):
+        held = held or states[i].lost == JAMMED
     for i in range(len(wheels)):
         wheel, own = wheels[i], states[i]
-        if own.suspicion < params.patience:
+        if own.lost == WORKS:
             reference = wheel.gear.ratio * own.rim_reference / wheel.radius
-            own.suspicion = watch_step(
-                params, own.suspicion, own.measured_current, own.modelled_current, own.seen_speed, reference
-            )
-        if own.suspicion >= params.patience:
-            dead |= 1 << i
-    return dead
+            explained = base.status != NO_SLIP and base.flagged != 1 << i
+            after = watch_step(
+                params, Suspicion(own.open, own.jam), own.measured_current, own.modelled_current, own.seen_speed,
+                reference, explained,
+            )  # fmt: skip
+            own.open, own.jam = after.open, 0.0 if held else after.jam
+            after = Suspicion(own.open, own.jam)
+            own.lost = watch_verdict(params, after)
+        if own.lost != WORKS:
+            lost |= 1 << i
+    return lost
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _set_weights(
-    standstill: float, traction: bool, states: Records, named: int, dead: int, trust: Floats, weights: Floats
-) -> bool:
-    """Which wheels are believed (a dead one that turns freely is) and asked for force; whether one is jammed."""
+def _set_weights(traction: bool, states: Records, named: int, trust: Floats, weights: Floats) -> bool:
+    """Which wheels are believed (one without current turns freely) and asked for force; whether one is jammed."""
     stuck = False
     for i in range(len(states)):
-        slips, gone = (named >> i) & 1 == 1, (dead >> i) & 1 == 1
-        jammed = gone and abs(states[i].seen_speed) < standstill
+        slips, jammed = (named >> i) & 1 == 1, states[i].lost == JAMMED
         stuck = stuck or jammed
         trust[i] = 0.0 if slips or jammed else 1.0
-        weights[i] = 0.0 if gone else SLIPPING_WEIGHT if slips and traction else 1.0
+        weights[i] = 0.0 if states[i].lost != WORKS else SLIPPING_WEIGHT if slips and traction else 1.0
     return stuck
 
 
@@ -309,9 +320,9 @@ def _control_traction(params: TractionParams, wheel: Any, own: Any, ground: floa
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _drive(wheel: Any, own: Any, force: float, acceleration: float, dead: bool) -> None:
+def _drive(wheel: Any, own: Any, force: float, acceleration: float) -> None:
     """Speed loop and voltage of a wheel, fed forward the force (N) and acceleration (m/s2) of its rim."""
-    if dead:
+    if own.lost != WORKS:
         own.voltage, own.current_reference, own.integral = 0.0, 0.0, 0.0
         return
     ratio, r = wheel.gear.ratio, wheel.radius
@@ -349,9 +360,9 @@ def _no_slip(inverse: Floats, rims: Floats) -> SlipState:
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _log_wheels(wheels: Records, states: Records, dead: int, rows: Records) -> None:
+def _log_wheels(wheels: Records, states: Records, rows: Records) -> None:
     for i in range(len(wheels)):
-        _log_wheel(wheels[i], states[i], (dead >> i) & 1 == 1, rows[i])
+        _log_wheel(wheels[i], states[i], rows[i])
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -379,10 +390,10 @@ def _log_body(base: Any, gyro: float, imu_x: float, imu_y: float, row: Any) -> N
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _log_wheel(wheel: Any, own: Any, dead: bool, row: Any) -> None:
+def _log_wheel(wheel: Any, own: Any, row: Any) -> None:
     row.speed = own.speed
     row.measured_speed = own.seen_speed / wheel.gear.ratio
     row.current, row.measured_current, row.voltage = own.current, own.measured_current, own.voltage
     row.force, row.cross_force, row.load, row.slip = own.along, own.across, own.load, own.slip
     row.friction_limit = own.load * own.material.peak
-    row.dead = dead
+    row.lost = own.lost

@@ -69,7 +69,9 @@ WHEEL_STATE = np.dtype(
         ("rim", F),  # measured rim speed, m/s
         ("measured_current", F),
         ("modelled_current", F),
-        ("suspicion", F),  # s for which the motor did not do as it was told
+        ("open", F),  # s for which no current flowed where there must be some
+        ("jam", F),  # s for which it stood where it must not
+        ("lost", np.int64),  # what the watch says: WORKS, OPEN, JAMMED
         ("cut", F),  # traction control: part of the drive force that is left, 0 to 1
         ("weight", F),  # in allocation and velocity estimate: 1 works, 0 is left out
     ]
@@ -130,7 +132,7 @@ WHEEL_SAMPLE = np.dtype(
             "friction_limit",
         )
     ]
-    + [("dead", np.bool_)]
+    + [("lost", np.int64)]
 )
 """One wheel at one millisecond."""
 

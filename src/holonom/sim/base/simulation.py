@@ -19,7 +19,7 @@ from holonom.mobile.drive.slip import SlipSettings, slip_params
 from holonom.signals import Event
 from holonom.sim.base.floor import Floor
 from holonom.sim.base.log import BaseLog, log_of
-from holonom.sim.base.loop import CUT_OFF, DONE, JAMMED, LoopParams, SensorParams, run_loop
+from holonom.sim.base.loop import CUT_OFF, DONE, STOPPED, LoopParams, SensorParams, run_loop
 from holonom.sim.base.paths import ReferencePath
 from holonom.sim.base.plant import FAULTS, TICK, BaseDrive, BasePlant
 from holonom.sim.base.records import BODY_SAMPLE, WHEEL_SAMPLE
@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 SLOWEST = 0.2  # part of the path's speed below which a run is cut off
 RESERVE = 0.85  # part of the largest force that a slowed-down path may need; the rest is for errors
 RATE_CHANGE = 1.0  # 1/s, how fast a path is slowed down
-ENDINGS = {DONE: "done", JAMMED: "jammed", CUT_OFF: "cut off"}
+ENDINGS = {DONE: "done", STOPPED: "jammed", CUT_OFF: "cut off"}
 
 
 @dataclass(frozen=True, slots=True)
