@@ -161,11 +161,11 @@ FAULTS = [  # what was done to a good log, and what is said
     (lambda v: np.delete(v, slice(50, 60), axis=0), r"1_run-01.csv:51: column 1 \(time\): 1 gap\(s\) up to 0.55 s"),
     (lambda v: np.delete(v, 7, axis=0), r"1_run-01.csv:8: column 1 \(time\): 1 gap\(s\) up to 0.1 s"),
     (lambda v: v[:, :5], r"1_run-01.csv:1: 5 columns; 6 are expected: time, x, y, theta, right, left"),
-    (lambda v: v[:, [0, 1, 2, 3, 5, 4]], r"columns left, right are swapped: read in the order right, left"),
-    (times(slice(1, 3), 1000.0), r"column 2 \(x\): the truth moves at .* m/s; .* mm instead of m"),
+    (lambda v: v[:, [0, 1, 2, 3, 5, 4]], r"columns 6 \(left\), 5 \(right\) are swapped: read in the order right, left"),
+    (times(slice(1, 3), 1000.0), r"_run-01.csv:1: by its wheels .* columns 2 \(x\), 3 \(y\) in mm instead of m"),
     (times(slice(1, 3), 0.001), r"by its wheels the base gets .* geometry or wheels in mm instead of m"),
-    (times(3, 180 / np.pi), r"theta in degrees instead of rad"),
-    (times(slice(4, 6), 2 * np.pi / TICKS), r"by its wheels the base gets .*truth in mm|see the units|ticks, gear"),
+    (times(3, 180 / np.pi), r"column 4 \(theta\) is in degrees instead of rad"),
+    (times(slice(4, 6), 2 * np.pi / TICKS), r"moves and turns 0.00224\d times what the truth says: see diameters, encoder"),
     (times(slice(4, 6), TICKS), r"column \d \((left|right)\): the wheel's rim runs at .* m/s; up to 20 are plausible"),
     (lambda v: v[:1], r"1_run-01.csv:1: 1 samples; two or more"),
     (lambda v: v[:0], r"1_run-01.csv:1: 0 samples; two or more"),
@@ -194,7 +194,7 @@ def test_swapped_and_mistaken_columns_of_a_tricycle(tmp_path: Path) -> None:
         read_log([optiodom(tmp_path / "b", degrees, "tricyc")])
     mirrored = tricycle_table()
     mirrored[:, 5] *= -1.0
-    with pytest.raises(LogError, match="turns the other way than by the truth"):
+    with pytest.raises(LogError, match=r"column 6 \(steering\) counts the other way"):
         read_log([optiodom(tmp_path / "c", mirrored, "tricyc")])
 
 
@@ -286,8 +286,12 @@ def test_units_counters_and_order_of_columns(tmp_path: Path) -> None:
 
 
 DESCRIPTIONS = [
-    ('"differential"', '"diff"', r"log.toml:1: drive: Input should be 'differential'"),
-    ('runs = ["run.csv"]', "runs = []", r"log.toml:2: runs: List should have at least 1"),
+    (
+        '"differential"',
+        '"diff"',
+        r"log.toml:1: drive: no setting 'diff'; there is differential, mecanum, omni3, tricycle",
+    ),
+    ('runs = ["run.csv"]', "runs = []", r"log.toml:2: runs: 0 came; at least 1 are needed: files of the runs"),
     ("run.csv", "other.csv", r"other.csv: there is no such file"),
     (
         "wheelbase = 0.2\n",
@@ -295,11 +299,23 @@ DESCRIPTIONS = [
         r"log.toml:4: geometry: parameters diameter_left, diameter_right came; a differential has",
     ),
     ("wheelbase = 0.2", "wheelbase = -1.0", r"log.toml:4: geometry: wheelbase -1.0 came"),
-    ("ticks = 64", "ticks = 0", r"log.toml:10: encoder.ticks: Input should be greater than 0"),
-    ("gear = 43.7", "gaer = 43.7", r"log.toml:11: encoder.gaer: Extra inputs"),
-    ("[encoder]\nticks = 64\ngear = 43.7\nbits = 16\n", "", r"wheels are in counts and there is no \[encoder\]"),
-    ('wheels = "counts"', "wheels = counts", r"log.toml: not TOML"),
-    ('position = "mm"', 'position = "m"', r"the truth moves at"),
+    (
+        "ticks = 64",
+        "ticks = 0",
+        r"log.toml:10: encoder.ticks: 0 came; it should be greater than 0: ticks per turn of the encoder's shaft",
+    ),
+    (
+        "gear = 43.7",
+        "gaer = 43.7",
+        r"log.toml:11: encoder.gaer: no key 'gaer'; there is bits, gear, ticks; did you mean 'gear'\?",
+    ),
+    (
+        "[encoder]\nticks = 64\ngear = 43.7\nbits = 16\n",
+        "",
+        r"log.toml:11: units.wheels: counts came and there is no table \[encoder\]",
+    ),
+    ('wheels = "counts"', "wheels = counts", r"log.toml:15:10: not TOML: Invalid value; .* lines such as drive = "),
+    ('position = "mm"', 'position = "m"', r"columns 2 \(x\), 5 \(y\) in mm instead of m"),
 ]
 
 

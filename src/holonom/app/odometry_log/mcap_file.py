@@ -8,6 +8,7 @@ are interpolated to the times of the joints. Any MCAP file with these messages i
 
 from __future__ import annotations
 
+import struct
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -95,6 +96,8 @@ def read_mcap_table(
 def write_mcap(path: Path, run: Run, drive: str) -> None:
     """Write a run: running wheel angles on /joint_states, the truth, where there is one, on /odom.
 
+    Running angles tell turns between samples only: a run whose first sample has turns gets one more, a step before it.
+
     Raises
     ------
     OutputError
@@ -102,6 +105,7 @@ def write_mcap(path: Path, run: Run, drive: str) -> None:
     wheels, steered = wheels_of(drive)
     layout = joint_layout(JointMessage((*wheels, *(name + SUFFIX for name in steered)), arrays=1))
     odometry = odometry_layout()
+    run = _from_rest(run)
     angles = np.column_stack([np.cumsum(run.turns, axis=0), run.steering])
     stamps = np.rint((run.time - min(run.time[0], 0.0)) * 1e9).astype(np.int64)
     try:
@@ -117,6 +121,15 @@ def write_mcap(path: Path, run: Run, drive: str) -> None:
             writer.finish()  # type: ignore[no-untyped-call]
     except OSError as error:
         raise OutputError(f"cannot write {path}: {error.strerror}; give a folder that can be written") from None
+
+
+def _from_rest(run: Run) -> Run:
+    if not run.turns[0].any():
+        return run
+    still = np.zeros_like(run.turns[:1])
+    earlier = 2.0 * run.time[:1] - run.time[1:2]
+    parts = ([earlier, run.time], [still, run.turns], [run.truth[:1], run.truth], [run.steering[:1], run.steering])
+    return Run(run.name, *(np.concatenate(part) for part in parts))
 
 
 def _channel(writer: Writer, topic: str, kind: str) -> int:
@@ -139,8 +152,10 @@ def _messages(path: Path, named: Mapping[str, str | None]) -> Mapping[str, list[
                 found[kind].append(message.data)
     except FileNotFoundError:
         raise LogError(f"{path}: there is no such file; give the path of a log") from None
-    except (OSError, McapError) as error:
-        raise LogError(f"{path}: no MCAP file that can be read ({error}); record it again") from None
+    except (OSError, McapError, struct.error, ValueError) as error:
+        raise LogError(
+            f"{path}: no MCAP file that can be read ({error or type(error).__name__}); record it again"
+        ) from None
     return found
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.app.odometry_log.checks import check_motion, check_time
+from holonom.app.odometry_log.checks import check_motion, check_time, part_names
 from holonom.app.odometry_log.log import OdometryLog
 from holonom.app.odometry_log.table import Table, read_table, read_text
 from holonom.errors import LogError
@@ -77,11 +77,12 @@ def read_optiodom(metadata: Path, *, only: Iterable[Path] = (), allow_gaps: bool
         raise LogError(
             f"{metadata.parent}: no run files {_stem(metadata)}_run-*.csv beside the metadata; copy them there"
         )
-    runs, notes = [], [] if chosen else _missing(facts, files)
+    runs: list[Run] = []
+    notes = [] if chosen else _missing(facts, files)
     for file in files:
-        run, gaps = _read_run(file, facts, allow_gaps=allow_gaps)
-        runs.append(run)
-        notes += gaps
+        read, doubts = _read_runs(file, facts, allow_gaps=allow_gaps)
+        runs += read
+        notes += doubts
     return OdometryLog(metadata.parent, facts.kind.drive, facts.nominal, facts.side, tuple(runs), tuple(notes))
 
 
@@ -173,19 +174,28 @@ def _missing(facts: _Facts, files: list[Path]) -> list[str]:
     ]
 
 
-def _read_run(path: Path, facts: _Facts, *, allow_gaps: bool) -> tuple[Run, tuple[str, ...]]:
+def _read_runs(path: Path, facts: _Facts, *, allow_gaps: bool) -> tuple[list[Run], tuple[str, ...]]:
+    """One run of a file, or the parts between its gaps."""
+    table = read_table(path, (*POSE, *facts.kind.columns))
+    parts, notes = check_time(table, allow_gaps=allow_gaps, running=False, factor=EVEN)
+    runs = []
+    for name, part in zip(part_names(path, len(parts)), parts, strict=True):
+        run, doubts = _read_part(name, part, facts, first=part.lines[0] == table.lines[0])
+        runs.append(run)
+        notes += doubts
+    return runs, notes
+
+
+def _read_part(name: str, table: Table, facts: _Facts, *, first: bool) -> tuple[Run, tuple[str, ...]]:
     kind = facts.kind
-    table = read_table(path, (*POSE, *kind.columns))
-    notes = check_time(table, allow_gaps=allow_gaps, factor=EVEN)
     wheels = kind.columns[: len(kind.signs)]
     turns = np.stack([table.column(name) for name in wheels], axis=1) * np.array(kind.signs) * facts.angle
+    turns[0] *= first  # what came before a part is none of its own
     steering = table.column("steering")[:, None] if "steering" in kind.columns else np.empty((len(turns), 0))
     order = [1, 0] if kind.drive == "differential" else list(range(len(wheels)))
-    run = Run(
-        path.name.split(".")[0], table.column("time"), np.ascontiguousarray(turns[:, order]), _truth(table), steering
-    )
-    check_motion(table, run, drive_parameters(kind.drive, facts.nominal), [wheels[k] for k in order])
-    return run, notes
+    run = Run(name, table.column("time"), np.ascontiguousarray(turns[:, order]), _truth(table), steering)
+    parameters = drive_parameters(kind.drive, facts.nominal)
+    return run, check_motion(table, run, parameters, [wheels[k] for k in order])
 
 
 def _truth(table: Table) -> Array:

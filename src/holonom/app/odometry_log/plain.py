@@ -33,7 +33,6 @@ The first line of a CSV file names its columns, in any order: `time` (s), one pe
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
@@ -42,10 +41,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from holonom.app.odometry_log.checks import check_motion, check_time
+from holonom.app.odometry_log.checks import check_motion, check_time, part_names
 from holonom.app.odometry_log.log import OdometryLog
 from holonom.app.odometry_log.mcap_file import JOINTS, ODOMETRY, read_mcap_table
 from holonom.app.odometry_log.table import Table, read_table, read_text
+from holonom.app.toml_faults import line_of, parse_toml, worded_faults
 from holonom.app.toml_lines import key_lines
 from holonom.errors import CalibrationError, LogError, OutOfLimits
 from holonom.mobile.calibration import Run, drive_parameters, wheels_of
@@ -66,37 +66,54 @@ class Encoder(_Table):
     """Encoder of every wheel."""
 
     ticks: float = Field(gt=0.0, allow_inf_nan=False)
+    """ticks per turn of the encoder's shaft"""
     gear: float = Field(default=1.0, gt=0.0, allow_inf_nan=False)
+    """turns of that shaft per turn of the wheel"""
     bits: int | None = Field(default=None, ge=1, le=52)
+    """width of running counters that run over, in bits"""
 
 
 class Units(_Table):
     """What the columns hold."""
 
     wheels: Literal["ticks", "counts", "rad", "angle"] = "rad"
+    """ticks or rad of each sample, counts or angle that run on"""
     steering: Literal["rad", "deg"] = "rad"
+    """unit of steering angles"""
     position: Literal["m", "mm"] = "m"
+    """unit of the truth's place"""
     heading: Literal["rad", "deg"] = "rad"
+    """unit of the truth's heading"""
 
 
 class McapNames(_Table):
     """What MCAP runs call topics and joints."""
 
     joints: str | None = None
+    """topic of the wheels' angles"""
     truth: str | None = None
+    """topic of the truth"""
     names: Mapping[str, str] = {}
+    """of joints by those of wheels"""
 
 
 class Description(_Table):
     """The TOML file of a log."""
 
     drive: Literal["differential", "tricycle", "omni3", "mecanum"]
+    """what was driven: differential, tricycle, omni3 or mecanum"""
     runs: list[str] = Field(min_length=1)
+    """files of the runs beside this one, in quotes and brackets"""
     side: float | None = Field(default=None, gt=0.0, allow_inf_nan=False)
+    """side of the square, m"""
     geometry: Mapping[str, float]
+    """table of the base's numbers, m and rad"""
     encoder: Encoder | None = None
+    """table with the encoder of every wheel"""
     units: Units = Units()
+    """table with the units of the columns"""
     mcap: McapNames = McapNames()
+    """table with the names in MCAP files"""
 
 
 def read_description(path: Path) -> Description:
@@ -108,22 +125,20 @@ def read_description(path: Path) -> Description:
         File, line and key of every fault.
     """
     text = read_text(path)
+    data = parse_toml(path, text, LogError, example='drive = "differential"')
     try:
-        description = Description.model_validate(tomllib.loads(text))
+        description = Description.model_validate(data)
         drive_parameters(description.drive, description.geometry)
-    except tomllib.TOMLDecodeError as error:
-        raise LogError(f'{path}: not TOML: {error}; expected lines such as drive = "differential"') from None
     except ValidationError as error:
-        lines = key_lines(text)
-        faults = [
-            f"{path}:{_line(lines, fault['loc'])}: {'.'.join(map(str, fault['loc']))}: {fault['msg']}"
-            for fault in error.errors(include_url=False)
-        ]
-        raise LogError("\n".join(faults)) from None
+        raise LogError(worded_faults(path, text, Description, error.errors(include_url=False))) from None
     except (CalibrationError, OutOfLimits) as error:
-        raise LogError(f"{path}:{key_lines(text).get(('geometry',), 1)}: geometry: {error}") from None
+        raise LogError(f"{path}:{line_of(('geometry',), key_lines(text))}: geometry: {error}") from None
     if description.units.wheels in ("ticks", "counts") and description.encoder is None:
-        raise LogError(f"{path}: wheels are in {description.units.wheels} and there is no [encoder]; state its ticks")
+        line = line_of(("units", "wheels"), key_lines(text))
+        raise LogError(
+            f"{path}:{line}: units.wheels: {description.units.wheels} came and there is no table [encoder]; state "
+            "the ticks of its turn there: [encoder] with ticks = 64, and gear = 43.7 where there is one"
+        )
     return description
 
 
@@ -140,14 +155,14 @@ def read_plain(path: Path, *, only: str | None = None, allow_gaps: bool = False)
     if only is not None and only not in description.runs:
         raise LogError(f"{path} does not name {only} among its runs ({', '.join(description.runs)}); add it")
     for name in description.runs if only is None else [only]:
-        run, gaps = read_run(path.parent / name, description, allow_gaps=allow_gaps)
-        runs.append(run)
-        notes += gaps
+        read, doubts = read_runs(path.parent / name, description, allow_gaps=allow_gaps)
+        runs += read
+        notes += doubts
     return OdometryLog(path, description.drive, description.geometry, description.side, tuple(runs), tuple(notes))
 
 
-def read_run(path: Path, description: Description, *, allow_gaps: bool = False) -> tuple[Run, tuple[str, ...]]:
-    """Read one CSV or MCAP file as a description says; the run, and notes on gaps.
+def read_runs(path: Path, description: Description, *, allow_gaps: bool = False) -> tuple[list[Run], tuple[str, ...]]:
+    """Read one CSV or MCAP file as a description says; the run, or its parts between gaps, and notes.
 
     Raises
     ------
@@ -164,16 +179,26 @@ def read_run(path: Path, description: Description, *, allow_gaps: bool = False) 
         table, units = read_table(path), description.units
     _check_columns(table, columns)
     running = units.wheels in ("counts", "angle")
-    notes = check_time(table, allow_gaps=allow_gaps or running)
+    parts, notes = check_time(table, allow_gaps=allow_gaps, running=running)
+    runs = []
+    for name, part in zip(part_names(path, len(parts)), parts, strict=True):
+        run, doubts = _read_part(name, part, description, units, first=part.lines[0] == table.lines[0])
+        runs.append(run)
+        notes += doubts
+    return runs, notes
+
+
+def _read_part(
+    name: str, table: Table, description: Description, units: Units, *, first: bool
+) -> tuple[Run, tuple[str, ...]]:
+    wheels, steered = wheels_of(description.drive)
     steering = (
         table.column("steering")[:, None] * _factor(units.steering) if steered else np.empty((len(table.values), 0))
     )
-    run = Run(
-        path.name.split(".")[0], table.column("time"), _turns(table, wheels, description, units), _truth(table, units),
-        steering,
-    )  # fmt: skip
-    check_motion(table, run, drive_parameters(description.drive, description.geometry), wheels)
-    return run, notes
+    turns = _turns(table, wheels, description, units)
+    turns[0] *= first  # what came before a part is none of its own
+    run = Run(name, table.column("time"), turns, _truth(table, units), steering)
+    return run, check_motion(table, run, drive_parameters(description.drive, description.geometry), wheels)
 
 
 def _check_columns(table: Table, columns: tuple[str, ...]) -> None:
@@ -213,7 +238,3 @@ def _truth(table: Table, units: Units) -> Array:
 
 def _factor(unit: str) -> float:
     return {"m": 1.0, "rad": 1.0, "mm": 1e-3, "deg": np.pi / 180.0}[unit]
-
-
-def _line(lines: Mapping[tuple[str | int, ...], int], loc: tuple[str | int, ...]) -> int:
-    return next((lines[loc[:k]] for k in range(len(loc), 0, -1) if loc[:k] in lines), 1)

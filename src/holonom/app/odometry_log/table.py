@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import io
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,6 +32,11 @@ class Table:
     def column(self, name: str) -> Array:
         """(N,) of a name that is there."""
         return self.values[:, self.names.index(name)]
+
+    def cut(self, rows: Sequence[int]) -> list[Table]:
+        """Tables of the rows before, between and from these on."""
+        edges = [0, *(int(row) for row in rows), len(self.values)]
+        return [Table(self.path, self.names, self.values[a:b], self.lines[a:b]) for a, b in itertools.pairwise(edges)]
 
     def fault(self, row: int, name: str, text: str) -> NoReturn:
         """Refuse the file because of one value.
