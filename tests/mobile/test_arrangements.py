@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 from bases import presets
 
-from holonom.errors import InputError, ModelError, ShapeError, UnknownName
+from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile import arrangements as arr
 from holonom.mobile.arrangements import ARRANGEMENTS, arrangement
 from holonom.mobile.base import WheelBase
+from holonom.mobile.centre import centre_of_axles
 
 SQUARE = {"wheelbase": 24.0, "track": 24.0, "wheel_radius": 1.0}  # WPILib's wheels at (+-12, +-12) m
 
@@ -171,12 +172,19 @@ def test_names_of_presets_cover_the_table():
         (lambda: arr.omni(n=1, radius=0.2, wheel_radius=0.05), "whole number from 2"),
         (lambda: arr.swerve(wheel_radius=0.1), "either positions="),
         (lambda: arr.swerve(wheelbase=0.3, wheel_radius=0.1), "either positions="),
+        (lambda: arr.swerve([[0.0, 0.1], [0.2, 0.0]], wheelbase=0.5, wheel_radius=0.1), "either positions="),
+        (lambda: arr.swerve([[0.0, 0.1], [0.2, 0.0]], wheelbase=0.5, track=0.4, wheel_radius=0.1), "either positions="),
+        (lambda: arr.sphere(True), "radius = True"),
+        (lambda: arr.omni(n=3, radius=True, wheel_radius=0.05), "radius True"),
+        (lambda: arr.mecanum(0.4, 0.3, 0.05, mass=True), "mass True"),
+        (lambda: arr.mecanum(0.4, 0.3, 0.05, com_height="high"), "com_height 'high'"),
+        (lambda: arr.tricycle(1.2, 0.8, 0.1, max_steering="1"), "max_steering '1'"),
         (lambda: arr.swerve([[0.0, 0.1], [0.2, 0.0]], wheel_radius=0.1, names=["a"]), "2 wheels and 1 names"),
         (lambda: arr.differential(math.nan, 0.1), "track nan"),
-        (lambda: arr.differential("0.3", 0.1), "track 0.3"),
+        (lambda: arr.differential("0.3", 0.1), "track '0.3'"),
         (lambda: arr.differential(0.3, (0.1, 0.1, 0.1)), "3 wheel radii"),
         (lambda: arr.synchro(0.3, 0.1, n=2.5), "n = 2.5"),
-        (lambda: arr.mecanum(0.4, 0.3, "0.05"), "radius = 0.05"),
+        (lambda: arr.mecanum(0.4, 0.3, "0.05"), "radius = '0.05'"),
     ],
 )
 def test_what_is_no_arrangement_is_refused(make, words):
@@ -192,7 +200,27 @@ def test_arrays_of_presets_are_checked():
         arr.swerve([[0.0, 0.1, 0.2]], wheel_radius=0.1)
     with pytest.raises(ShapeError, match="wheel_radius holds nan"):
         arr.differential(0.3, (0.1, math.nan))
+    with pytest.raises(ShapeError, match="angles holds something that is not a number"):
+        arr.omni(["a", 1, 2], radius=0.1, wheel_radius=0.1)
+    with pytest.raises(ShapeError, match=r"angles has shape \(1, 3\)"):
+        arr.omni([[0.0, 2.0, 4.0]], radius=0.1, wheel_radius=0.1)
+    with pytest.raises(ShapeError, match=r"castor has shape \(1,\)"):
+        arr.differential(0.3, 0.1, castor=(1.0,))
     with pytest.raises(ShapeError, match="bicycle holds nan"):
         arr.ackermann_steering(arr.ackermann(2.0, 1.0, 0.3), np.nan)
     with pytest.raises(InputError, match="no steered wheel"):
         arr.ackermann_steering(arr.mecanum(0.4, 0.3, 0.05), 0.1)
+
+
+@pytest.mark.parametrize("angle", [math.pi / 2, 3.0, -math.pi / 2])
+def test_a_bicycle_that_cannot_roll_is_refused(angle):
+    with pytest.raises(OutOfLimits, match=rf"bicycle is {angle:.6g} rad; an angle between -pi/2 and pi/2"):
+        arr.ackermann_steering(arr.ackermann(2.5, 1.5, 0.3), [0.1, angle])
+
+
+def test_a_sharp_turn_of_a_car_keeps_one_centre():
+    car = arr.ackermann(2.5, 1.5, 0.3)
+    for angle in (1.2, 1.5):  # before and beyond atan(2 L / t), where the centre passes the inner rear wheel
+        found = centre_of_axles(car, arr.ackermann_steering(car, angle))
+        np.testing.assert_allclose(found.point, [0.0, 2.5 / math.tan(angle)], atol=1e-9)
+        assert found.miss < 1e-9

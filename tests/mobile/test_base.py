@@ -320,6 +320,25 @@ def test_what_is_no_base_is_refused(wheels, options, words):
     assert words in str(problem.value)
 
 
+def test_numbers_that_are_none_are_refused():
+    base = BASES["differential"]
+    for tolerance in (-1.0, np.nan, "1", True):
+        with pytest.raises(OutOfLimits, match=r"tolerance is .*not below zero"):
+            base.wheel_speeds([1.0, 0.0, 0.0], tolerance=tolerance)
+    for top in ("1", True, np.nan):
+        with pytest.raises(OutOfLimits, match="max_speed is"):
+            base.desaturate([1.0, 2.0], top)
+    for call in (base.wheel_speeds, BASES["swerve"].wheel_speeds):
+        with pytest.raises(InputError, match="threads"):
+            call(np.zeros((600, 3)), threads=0)
+        with pytest.raises(InputError, match="threads"):
+            call(np.zeros(3), threads=0)
+    with pytest.raises(InputError, match="threads"):
+        base.twist(np.zeros((600, 2)), threads=0)
+    with pytest.raises(ModelError, match=r"base 'base' has 'left' among its wheels; make each by Wheel"):
+        WheelBase(["left"])
+
+
 def test_unknown_names_and_constant_couplings():
     wheel = Wheel.at("steered", 0.1, 0.0, radius=0.1, driven=True, name="front")
     with pytest.raises(UnknownName, match="front"):

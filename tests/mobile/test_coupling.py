@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from omni_bases import scattered, soccer, symmetric
 
-from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError
+from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile import arrangements
 from holonom.mobile.drive.coupling import (
     Coupling,
@@ -16,6 +16,7 @@ from holonom.mobile.drive.coupling import (
     base_force,
     base_twist,
     coupling_of,
+    live_wheels,
     omni_coupling,
     rim_speeds,
     wheel_forces,
@@ -93,7 +94,7 @@ def test_published_matrices(data_folder):
 def test_errors_name_the_cause():
     with pytest.raises(ShapeError, match=r"\(n, 3\)"):
         Coupling(np.zeros((4, 2)))
-    with pytest.raises(ShapeError, match="finite"):
+    with pytest.raises(ShapeError, match="coupling D holds nan; finite"):
         Coupling(np.full((4, 3), np.nan))
     with pytest.raises(ModelError, match="no row"):
         Coupling(np.zeros((0, 3)))
@@ -108,3 +109,46 @@ def test_errors_name_the_cause():
         wheel_forces(soccer(), np.zeros(3), 0.0)
     with pytest.raises(InputError, match="steers"):
         coupling_of(arrangements.swerve(wheelbase=0.4, track=0.4, wheel_radius=0.05))
+
+
+NOT_NUMBERS = [([np.nan, 0.0, 0.0], "nan"), ([0.0, np.inf, 0.0], "inf"), (["a", 0.0, 0.0], "not a number")]
+
+
+@pytest.mark.parametrize(("three", "words"), NOT_NUMBERS)
+def test_what_is_no_number_is_refused_as_by_the_base(three, words):
+    base, four = soccer(), [*three, 0.0]
+    for call in (
+        lambda: rim_speeds(base, three),
+        lambda: base_twist(base, four),
+        lambda: base_force(base, four),
+        lambda: base_acceleration(base, four, 2.0),
+        lambda: wheel_forces(base, three, 2.0),
+        lambda: coupling_of([three]),
+        lambda: omni_coupling(three),
+        lambda: omni_coupling([0.0, 2.0, 4.0], levers=three),
+    ):
+        with pytest.raises(ShapeError, match=words):
+            call()
+    for mass in ("2", True, np.nan):
+        with pytest.raises(OutOfLimits, match="mass is"):
+            wheel_forces(base, np.zeros(3), mass)
+    for radius in ("1", True):
+        with pytest.raises(OutOfLimits, match="radius is"):
+            omni_coupling([0.0, 2.0, 4.0], radius=radius)
+
+
+def test_wheels_go_by_name_or_number():
+    base = arrangements.mecanum(0.4, 0.3, 0.05)
+    coupling = coupling_of(base)
+    assert coupling.names == base.driven
+    np.testing.assert_array_equal(live_wheels(coupling, ["front right", 3]), [True, False, True, False])
+    np.testing.assert_array_equal(live_wheels(coupling, "rear left"), [True, True, False, True])
+    np.testing.assert_array_equal(live_wheels(coupling, np.int64(0)), [False, True, True, True])
+    np.testing.assert_array_equal(live_wheels(omni_coupling([0.0, 2.0, 4.0]), ["wheel 1"]), [False, True, True])
+    with pytest.raises(UnknownName, match=r"no driven wheel 'front rigth'.*did you mean 'front right'"):
+        live_wheels(coupling, ["front rigth"])
+    for wheel in (4, -1, 1.0, True, None):
+        with pytest.raises(OutOfLimits, match=r"is out, but there are wheels 0 to 3: front left, front right"):
+            live_wheels(coupling, [wheel])
+    with pytest.raises(ModelError, match="one of its own for each"):
+        Coupling(np.eye(3), names=("a", "b", "b"))

@@ -8,7 +8,7 @@ from omni_bases import scattered, soccer, symmetric
 from scipy.optimize import linprog
 
 from holonom.devices import DcMotor, Gear
-from holonom.errors import InputError, OutOfLimits, ShapeError
+from holonom.errors import InputError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile import arrangements
 from holonom.mobile.drive.coupling import Coupling, base_acceleration, omni_coupling, rim_speeds
 from holonom.mobile.drive.envelopes import (
@@ -195,6 +195,14 @@ def test_errors_name_the_cause():
         force_envelope(soccer(), [0.0], limits=1.0, lower=2.0)
     with pytest.raises(OutOfLimits, match="wheels 0 to 3"):
         effective_motors(soccer(), [0.0], out=(4,))
+    with pytest.raises(UnknownName, match="no driven wheel 'wheel 5'; there is wheel 1"):
+        effective_motors(soccer(), [0.0], out=["wheel 5"])
+    with pytest.raises(ShapeError, match="directions holds"):
+        effective_motors(soccer(), ["a"])
+    with pytest.raises(ShapeError, match=r"twist\[0\] is nan"):
+        acceleration_envelope(soccer(), [0.0], limits(0.5), twist=[np.nan, 0.0, 0.0])
+    with pytest.raises(OutOfLimits, match=r"friction is '0.5'"):
+        limits("0.5")
     with pytest.raises(OutOfLimits, match="friction"):
         limits(-0.1)
     with pytest.raises(ShapeError, match="loads"):
@@ -202,3 +210,13 @@ def test_errors_name_the_cause():
     with pytest.raises(ShapeError, match="transfer"):
         limits(0.5, transfer=np.zeros((3, 2)))
     assert effective_motors(Coupling(np.eye(3)), [0.0])[0] == pytest.approx(1.0)
+
+
+def test_dead_motors_go_by_name():
+    base, drive = soccer(), limits(0.5)
+    for envelope in (critical_force, acceleration_envelope, speed_envelope):
+        by_name, by_number = (envelope(base, AROUND, drive, out=o) for o in (["wheel 2"], [1]))
+        np.testing.assert_array_equal(by_name.value, by_number.value)
+    np.testing.assert_array_equal(
+        effective_motors(base, AROUND, out="wheel 1"), effective_motors(base, AROUND, out=[0])
+    )

@@ -141,3 +141,20 @@ def test_errors_name_the_cause():
         redistribute(base, np.zeros(3), MASS, out=[-1])
     with pytest.raises(ShapeError, match="twist"):
         feasible_twist(base, np.zeros(2))
+    with pytest.raises(ShapeError, match=r"twist\[1\] is nan"):
+        feasible_twist(base, [0.0, np.nan, 0.0], blocked=[0])
+    with pytest.raises(ShapeError, match="force limits holds something"):
+        redistribute(base, np.zeros(3), MASS, limits="a")
+
+
+def test_wheels_out_and_blocked_go_by_name():
+    base, a = soccer(), [1.0, 2.0, 3.0]
+    by_name, by_number = (redistribute(base, a, MASS, out=o) for o in (["wheel 2"], [1]))
+    np.testing.assert_array_equal(by_name.forces, by_number.forces)
+    np.testing.assert_array_equal(allocation(base, out="wheel 3"), allocation(base, out=[2]))
+    assert actuation(base, out=["wheel 1", "wheel 2"]).rank == actuation(base, out=[0, 1]).rank
+    np.testing.assert_array_equal(possible_twists(base, blocked=["wheel 4"]), possible_twists(base, blocked=[3]))
+    np.testing.assert_array_equal(feasible_twist(base, a, blocked=["wheel 4"]), feasible_twist(base, a, blocked=[3]))
+    for call in (lambda: redistribute(base, a, MASS, out=["left"]), lambda: possible_twists(base, blocked=["left"])):
+        with pytest.raises(UnknownName, match="no driven wheel 'left'; there is wheel 1, wheel 2"):
+            call()

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from holonom.errors import ModelError
 from holonom.mobile.base import WheelBase
-from holonom.mobile.mobility import Mobility, is_holonomic, mobility
+from holonom.mobile.mobility import Mobility, degrees_of_freedom, is_holonomic, mobility
+from holonom.mobile.poses import integrated
 from holonom.mobile.wheel import Wheel
 
 PUBLISHED = {  # Siegwart & Nourbakhsh, fig. 3.14, and Campion, Bastin & d'Andrea-Novel 1996
@@ -33,6 +34,7 @@ def test_published_degrees(name):
     base = presets()[name]
     assert mobility(base) == Mobility(*PUBLISHED[name])
     assert is_holonomic(base) == (PUBLISHED[name][0] == 3)
+    assert degrees_of_freedom(base) == (2 if name == "synchro" else 3)  # synchro drive never turns
 
 
 def test_omni_steer_and_skid_steer():
@@ -108,3 +110,55 @@ def test_wheels_that_steer_together_may_conflict():
         [Wheel.at("steered", x, y, radius=0.1, driven=True, name=n) for n, x, y in corners], steering_groups=pairs
     )
     assert mobility(crab) == (1, 1, 2)  # both pairs have to be parallel: it goes anywhere and never turns
+
+
+def fixed(*places, driven=True):
+    return WheelBase([Wheel.at("fixed", x, y, psi, radius=0.1, driven=driven) for x, y, psi in places])
+
+
+@pytest.mark.parametrize(
+    ("base", "dm", "dof"),
+    [
+        (fixed((1.0, 0.0, 0.0), (0.0, 1.0, np.pi / 2)), 1, 1),  # crossing axles: it turns about one point
+        (fixed((0.2, 0.2, 0.0), (-0.2, -0.2, 0.0)), 1, 1),  # parallel axles: straight on
+        (fixed((0.3, 0.1, 0.7)), 2, 3),  # a single wheel: parks sideways
+    ],
+)
+def test_wheels_whose_constraints_are_integrable_are_holonomic(base, dm, dof):
+    assert (mobility(base).dm, degrees_of_freedom(base)) == (dm, dof)
+    assert is_holonomic(base) == (dm == dof)
+
+
+def test_steering_counts_among_what_can_be_reached():
+    ball = Wheel.at("spherical", 0.3, 0.0, radius=0.05)
+    lone = WheelBase([Wheel.at("steered", 0.0, 0.0, radius=0.1, driven=True), ball])
+    assert (degrees_of_freedom(lone), is_holonomic(lone)) == (3, False)
+
+
+@given(any_base(), st.floats(-2.0, 2.0), st.floats(-2.0, 2.0), st.floats(-3.0, 3.0))
+def test_freedom_does_not_depend_on_where_base_link_is(base, x, y, turn):
+    c, s = np.cos(turn), np.sin(turn)
+    moved = [
+        Wheel.at(
+            w.kind, x + c * w.x - s * w.y, y + s * w.x + c * w.y, w.heading + turn, radius=w.radius, driven=w.driven,
+            roller_angle=w.roller_angle, castor_offset=w.castor_offset, name=w.name,
+        )
+        for w in base.wheels
+    ]  # fmt: skip
+    other = WheelBase(moved)
+    assert degrees_of_freedom(other) == degrees_of_freedom(base)
+    assert is_holonomic(other) == is_holonomic(base)
+    assert mobility(base).dm <= degrees_of_freedom(base) <= 3
+
+
+def test_degrees_of_freedom_are_those_of_driving_around():
+    """Poses after random drives, steering in between: their spread has as many directions as was computed."""
+    rng = np.random.default_rng(5)
+    for name in ("differential", "synchro", "ackermann", "swerve", "omni3"):
+        base = presets()[name]
+        ends = []
+        for _ in range(300):
+            twists = base.feasible(rng.uniform(-1.0, 1.0, (12, 3)))
+            ends.append(integrated([0.0, 0.0, 0.0], twists, 0.1)[-1])
+        spread = np.linalg.svd(np.array(ends) - np.mean(ends, axis=0), compute_uv=False)
+        assert np.count_nonzero(spread > 1e-3 * spread[0]) == degrees_of_freedom(base)

@@ -64,3 +64,10 @@ def test_errors_name_the_cause():
         split_pattern(symmetric(), np.zeros(3))
     with pytest.raises(OutOfLimits, match="wheel radius"):
         copper_loss(np.zeros(4), MOTOR, Gear(1.0), 0.0)
+    for forces in ([np.nan, 0, 0, 0], ["a", 0, 0, 0]):
+        with pytest.raises(ShapeError, match="forces holds"):
+            split_pattern(symmetric(), forces)
+        with pytest.raises(ShapeError, match="forces holds"):
+            copper_loss(forces, MOTOR, Gear(1.0), 0.1)
+    with pytest.raises(OutOfLimits, match="wheel radius is True"):
+        copper_loss(np.zeros(4), MOTOR, Gear(1.0), True)

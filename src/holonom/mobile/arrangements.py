@@ -13,7 +13,7 @@ from typing import TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from holonom.errors import InputError, ModelError, UnknownName
+from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile.base import WheelBase
 from holonom.mobile.evaluation import finite, samples
 from holonom.mobile.wheel import Wheel
@@ -54,7 +54,7 @@ def differential(
         raise ModelError(f"differential has {radii.size} wheel radii; state one, or (left, right)")
     radii = np.broadcast_to(radii, (2,))
     third = float(radii.mean()) / 3.0
-    x, y = castor if castor is not None else (-track, 0.0)
+    x, y = samples("castor", castor, 2).tolist() if castor is not None else (-track, 0.0)
     wheels = [
         Wheel.at("fixed", 0.0, 0.5 * track, radius=float(radii[0]), driven=True, name="left"),
         Wheel.at("fixed", 0.0, -0.5 * track, radius=float(radii[1]), driven=True, name="right"),
@@ -113,9 +113,20 @@ def ackermann_steering(base: WheelBase, bicycle: ArrayLike) -> np.ndarray:
     Parameters
     ----------
     base : one with fixed wheels on an axle through the origin of base_link, like `ackermann`.
-    bicycle : (...) rad, between -pi/2 and pi/2; positive turns left.
+    bicycle : (...) rad, between -pi/2 and pi/2 and neither of them; positive turns left. Where the centre comes to lie
+        between the rear wheels, from atan(2 wheelbase / track) on, the inner front wheel takes its other half turn.
+
+    Raises
+    ------
+    OutOfLimits
+        An angle that no bicycle could roll at, or at which a wheel exceeds its `max_steering`.
+    InputError
+        A base that does not steer.
     """
     angle = finite("bicycle", bicycle)
+    if np.abs(angle).max(initial=0.0) >= 0.5 * math.pi:
+        worst = angle.flat[int(np.abs(angle).argmax())]
+        raise OutOfLimits(f"bicycle is {worst:.6g} rad; an angle between -pi/2 and pi/2 (1.5708) is needed")
     if not base.steered:
         raise InputError(f"base {base.name!r} has no steered wheel; a bicycle's angle says nothing about it")
     wheelbase = float(np.mean([base.wheels[i].x for g in base.layout.groups for i in g]))
@@ -151,8 +162,11 @@ def omni(
     positive("omni", "radius", radius)
     if (angles is None) == (n is None):
         raise ModelError("omni takes either angles= (one per wheel, rad) or n= (so many, evenly); state one of them")
-    phis = _even(_count("omni", n), 0.5) if n is not None else np.asarray(angles, dtype=float)
-    phis = samples("angles", phis, np.size(phis))
+    given = _even(_count("omni", n), 0.5) if n is not None else angles
+    assert given is not None
+    phis = np.atleast_1d(finite("angles", given))
+    if phis.ndim != 1:
+        raise ShapeError(f"angles has shape {phis.shape}; (n,) is needed, one angle per wheel")
     wheels = [
         Wheel.at(
             "swedish", radius * math.cos(phi), radius * math.sin(phi), phi + math.pi / 2, radius=wheel_radius,
@@ -198,7 +212,8 @@ def swerve(
     wheelbase, track : distances of four wheels along x and y, in the order "front left", "front right", "rear left",
         "rear right".
     """
-    if (positions is None) == (wheelbase is None or track is None):
+    stated = [x is not None for x in (positions, wheelbase, track)]
+    if stated not in ([True, False, False], [False, True, True]):
         raise ModelError("swerve takes either positions= (n, 2) or wheelbase= and track= (m); state one of them")
     if positions is None:
         assert wheelbase is not None

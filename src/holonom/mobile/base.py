@@ -14,13 +14,13 @@ from holonom.mobile import base_equations
 from holonom.mobile.castors import CastorRates, castor_rates
 from holonom.mobile.equations.base_models import Layout
 from holonom.mobile.equations.forward import DETERMINED
-from holonom.mobile.evaluation import BaseEquation, finite, product, samples
+from holonom.mobile.evaluation import BaseEquation, finite, is_finite, is_number, product, samples, shown
 from holonom.mobile.mobility import check_movable, seen_twists
 from holonom.mobile.refusals import beyond_steering, dragged_wheel, undetermined
 from holonom.mobile.wheel import KINDS, Wheel
 from holonom.mobile.wheel_set import named_wheels, positive
 from holonom.mobile.wheel_set import steering_groups as grouped
-from holonom.trace import Kernel
+from holonom.trace import Kernel, check_threads
 
 __all__ = ["WheelBase"]
 
@@ -84,11 +84,11 @@ class WheelBase:
         self.alpha = positive(name, "alpha", alpha)
         self.mass = None if mass is None else positive(name, "mass", mass)
         self.com = samples("com", com, 2)
-        self.com_height = float(com_height)
-        if not (math.isfinite(self.com_height) and self.com_height >= 0.0):
+        if not (is_finite(com_height) and com_height >= 0.0):
             raise ModelError(
-                f"base {name!r} has com_height {com_height}; a height in m that is not below zero is needed"
+                f"base {name!r} has com_height {shown(com_height)}; a height in m that is not below zero is needed"
             )
+        self.com_height = float(com_height)
         groups = grouped(name, self.wheels, steering_groups or {})
         self.steered = tuple(groups)
         self.layout = Layout(self.wheels, tuple(groups.values()), self.radius)
@@ -198,10 +198,13 @@ class WheelBase:
         ------
         OutOfLimits
             The twist would drag a wheel sideways (says which, how fast, in which row; `feasible` gives the nearest that
-            does not) or steer it too far.
+            does not) or steer it too far; or the tolerance is below zero.
         ShapeError
         """
+        if not (is_number(tolerance) and tolerance >= 0.0):
+            raise OutOfLimits(f"tolerance is {shown(tolerance)}; state a sideways speed in m/s, not below zero")
         if not self.steered:
+            check_threads(threads)
             self._angles(steering)
             twists = samples("twist", twist, 3)
             speeds, *drags = product(twists, self._inverse, out), twists @ self._sideways
@@ -235,6 +238,7 @@ class WheelBase:
         ShapeError
         """
         if not self.steered:
+            check_threads(threads)
             self._angles(steering)
             return product(samples("speeds", speeds, len(self.driven)), self._forward, out)
         angles = np.zeros(len(self.steered)) if steering is None else steering
@@ -291,8 +295,8 @@ class WheelBase:
 
         Any unit. Source: WPILib `desaturateWheelSpeeds`.
         """
-        if not max_speed > 0.0:
-            raise OutOfLimits(f"max_speed is {max_speed}; state a number above zero")
+        if not (is_number(max_speed) and max_speed > 0.0):
+            raise OutOfLimits(f"max_speed is {shown(max_speed)}; state a number above zero")
         wanted = finite("speeds", speeds)
         if wanted.ndim == 0 or wanted.shape[-1] == 0:
             raise ShapeError(f"speeds has shape {wanted.shape}; (..., m) is needed, one per wheel")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -10,16 +11,31 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import ShapeError
-from holonom.trace import Kernel, compile
+from holonom.trace import Kernel, check_threads, compile
 from holonom.trace.arrays import ArrayEquation, on_arrays
 
-__all__ = ["BaseEquation", "finite", "product", "samples", "written"]
+__all__ = ["BaseEquation", "finite", "is_finite", "is_number", "numbers", "product", "samples", "shown", "written"]
 
 Array = NDArray[np.float64]
 COMPILE_FROM = 512
 """Samples, over all calls, from which on a kernel is compiled: a base asked a few times costs no compilation."""
 CALL = 16
 """Samples that a call counts for at least: a loop that calls for one sample each is compiled after 32 calls."""
+
+
+def is_number(value: object) -> bool:
+    """Whether a single value is a real number; True and False are none."""
+    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+
+
+def is_finite(value: object) -> bool:
+    """Whether a single value is a real number, neither NaN nor infinite."""
+    return is_number(value) and math.isfinite(value)  # type: ignore[arg-type]
+
+
+def shown(value: object) -> str:
+    """How a refusal shows what came: a number plainly, anything else as it would be typed."""
+    return str(value) if is_number(value) else repr(value)
 
 
 def samples(name: str, value: ArrayLike, width: int) -> Array:
@@ -30,7 +46,7 @@ def samples(name: str, value: ArrayLike, width: int) -> Array:
     ShapeError
         The wrong last axis, no numbers, NaN or infinity: says where.
     """
-    array = _numbers(name, value)
+    array = numbers(name, value)
     if array.ndim == 0 or array.shape[-1] != width:
         raise ShapeError(f"{name} has shape {array.shape}; (..., {width}) is needed")
     if not np.isfinite(array).all():
@@ -47,13 +63,19 @@ def finite(name: str, value: ArrayLike) -> Array:
     ------
     ShapeError
     """
-    array = _numbers(name, value)
+    array = numbers(name, value)
     if not np.isfinite(array).all():
         raise ShapeError(f"{name} holds {array[~np.isfinite(array)].flat[0]}; finite numbers are needed")
     return array
 
 
-def _numbers(name: str, value: ArrayLike) -> Array:
+def numbers(name: str, value: ArrayLike) -> Array:
+    """Return `value` as a float array of any shape; NaN and infinity pass.
+
+    Raises
+    ------
+    ShapeError
+    """
     try:
         return np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError) as problem:
@@ -106,6 +128,7 @@ class BaseEquation:
             self._asked += max(CALL, *sizes)
         if self._asked >= COMPILE_FROM:
             return self._batch(arrays, out, threads)
+        check_threads(threads)
         given = [samples(n, a, w) for (n, w), a in zip(self.inputs.items(), arrays, strict=True)]
         try:
             lead = np.broadcast_shapes(*(a.shape[:-1] for a in given))

@@ -18,11 +18,18 @@ from holonom.mobile.wheel import KINDS
 if TYPE_CHECKING:
     from holonom.mobile.base import WheelBase
 
-__all__ = ["Mobility", "Stance", "check_movable", "conflicting_wheels", "is_holonomic", "mobility", "stance"]
+__all__ = [
+    "Mobility", "Stance", "check_movable", "conflicting_wheels", "degrees_of_freedom", "is_holonomic", "mobility",
+    "stance",
+]  # fmt: skip
 
 Array = NDArray[np.float64]
 RANK = 1e-7
 """Singular value of the sliding rows (w scaled by the base's radius) below which they leave a motion free."""
+
+
+FIRST_ANGLES = (0.37, 1.03, 1.91, 2.73)
+"""Steering angles whose motions together span those of all: any will do, but no special ones."""
 
 
 class Mobility(NamedTuple):
@@ -54,9 +61,45 @@ def mobility(base: WheelBase) -> Mobility:
     return Mobility(dm, found.independent, dm + found.independent)
 
 
+def degrees_of_freedom(base: WheelBase) -> int:
+    """Dimension of the poses that the base can reach by rolling and steering (DOF, Siegwart & Nourbakhsh 3.4).
+
+    Reached is what all twists that some steering allows, and their Lie brackets, span: a differential drive parks
+    sideways, so it has 3; synchro drive never turns, so it has 2; four fixed wheels that only roll straight have 1.
+    """
+    scale = np.array([[1.0], [1.0], [base.radius]])
+    found = [stance(base.layout, first) for first in FIRST_ANGLES]
+    reached = _span(scale * np.hstack([s.motions for s in found if s is not None]))
+    while True:
+        twists = (reached / scale).T
+        brackets = [_bracket(a, b) for a, b in itertools.combinations(twists, 2)]
+        more = _span(np.column_stack([reached, *(scale[:, 0] * b for b in brackets)]))
+        if more.shape[1] == reached.shape[1]:
+            return int(more.shape[1])
+        reached = more
+
+
 def is_holonomic(base: WheelBase) -> bool:
-    """Whether the base can move in every direction at once, without steering first: no wheel constrains the twist."""
-    return mobility(base).dm == 3
+    """Whether the sliding constraints are integrable: they hold poses back, or nothing, but not velocities alone.
+
+    So it is where the base reaches no more than it can move at once, `degrees_of_freedom` = dm (Siegwart & Nourbakhsh
+    3.4: DOF = DDOF). Omnidirectional bases are, and so are wheels that leave one motion, such as fixed wheels on two
+    crossing axles, which only turn about one point. Differential drives, cars, synchro and swerve drives are not.
+    Whether it moves every way at once is another question: `mobility(base).dm == 3`.
+    """
+    return degrees_of_freedom(base) == mobility(base).dm
+
+
+def _bracket(a: Array, b: Array) -> Array:
+    """Lie bracket of two twists of the plane: (wa J vb - wb J va, 0), J a quarter turn."""
+    return np.array([b[2] * a[1] - a[2] * b[1], a[2] * b[0] - b[2] * a[0], 0.0])
+
+
+def _span(columns: Array) -> Array:
+    """Orthonormal basis (3, k) of the span of columns (3, n)."""
+    U, s, _ = np.linalg.svd(columns / max(np.abs(columns).max(initial=0.0), 1e-300))
+    basis: Array = U[:, : np.count_nonzero(s > RANK)]
+    return basis
 
 
 def conflicting_wheels(layout: Layout) -> tuple[int, ...]:
@@ -92,8 +135,8 @@ def check_movable(layout: Layout) -> None:
     )
 
 
-def stance(layout: Layout) -> Stance | None:
-    """A generic steering at which the base can move; None if there is none.
+def stance(layout: Layout, first: float = 0.37) -> Stance | None:
+    """A generic steering at which the base can move, another for another angle of its first group; None if none.
 
     Groups are set one after the other: at any angle while that leaves a motion, else at the angle that this motion
     asks for, else (a group that only fits straight ahead) at zero, which then goes first.
@@ -101,7 +144,7 @@ def stance(layout: Layout) -> Stance | None:
     groups = range(len(layout.groups))
     for count in range(len(layout.groups) + 1):
         for stuck in itertools.combinations(groups, count):
-            found = _settle(layout, stuck)
+            found = _settle(layout, stuck, first)
             if found is not None:
                 return found
         if all(len(g) == 1 for g in layout.groups):
@@ -109,7 +152,7 @@ def stance(layout: Layout) -> Stance | None:
     return None
 
 
-def _settle(layout: Layout, stuck: Sequence[int]) -> Stance | None:
+def _settle(layout: Layout, stuck: Sequence[int], first: float) -> Stance | None:
     steering = [0.0] * len(layout.groups)
     steered = {i for g in layout.groups for i in g}
     held = [i for i in range(len(layout.wheels)) if i not in steered]
@@ -121,7 +164,7 @@ def _settle(layout: Layout, stuck: Sequence[int]) -> Stance | None:
         if k in stuck:
             continue
         held += layout.groups[k]
-        steering[k] = 0.37 + 0.61 * k  # any angle will do, but no special one
+        steering[k] = first + 0.61 * k  # any angle will do, but no special one
         left = _motions(layout, held, steering)
         if left.shape[1]:
             independent += 1

@@ -6,14 +6,12 @@ base_link, the centripetal one included. It tips where the zero-moment point lea
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import InputError, ModelError, OutOfLimits
 from holonom.mobile.base import WheelBase
-from holonom.mobile.evaluation import finite, samples
+from holonom.mobile.evaluation import finite, is_finite, samples, shown
 
 __all__ = [
     "acceleration_limit", "contact_points", "dynamic_margin", "lateral_limit", "static_margin", "support_polygon",
@@ -184,7 +182,7 @@ def _edges(corners: Array) -> tuple[Array, Array]:
 
 
 def _height(base: WheelBase, com_height: float | None) -> float:
-    height = base.com_height if com_height is None else float(com_height)
-    if not (math.isfinite(height) and height >= 0.0):
-        raise OutOfLimits(f"com_height is {height}; a height in m that is not below zero is needed")
-    return height
+    height = base.com_height if com_height is None else com_height
+    if not (is_finite(height) and height >= 0.0):
+        raise OutOfLimits(f"com_height is {shown(height)}; a height in m that is not below zero is needed")
+    return float(height)

@@ -7,10 +7,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
 from holonom.errors import ModelError, UnknownName
 from holonom.mobile.equations.wheels import Row, rolling_row, sliding_row, spin_row, swedish_row, unit
+from holonom.mobile.evaluation import is_finite, shown
 from holonom.trace import Number
 
 __all__ = ["KINDS", "Kind", "Wheel"]
@@ -90,8 +89,9 @@ class Wheel:
         _only(called, self.kind, "swedish", "roller_angle", self.roller_angle != 0.0)
         _only(called, self.kind, "castor", "castor_offset", self.castor_offset != 0.0)
         _only(called, self.kind, "steered", "max_steering", self.max_steering is not None)
-        if self.max_steering is not None and not 0.0 < self.max_steering <= math.pi / 2 + 1e-12:
-            raise ModelError(f"{called} has max_steering {self.max_steering}; allowed is 0 to pi/2 rad, or None")
+        limit = self.max_steering
+        if limit is not None and not (is_finite(limit) and 0.0 < limit <= math.pi / 2 + 1e-12):
+            raise ModelError(f"{called} has max_steering {shown(limit)}; allowed is 0 to pi/2 rad, or None")
 
     @classmethod
     def at(
@@ -144,8 +144,8 @@ class Kind(NamedTuple):
 
 
 def _finite(called: str, field: str, value: object) -> None:
-    if not isinstance(value, (int, float, np.number)) or not math.isfinite(value):
-        raise ModelError(f"{called} has {field} = {value}; a finite number is needed")
+    if not is_finite(value):
+        raise ModelError(f"{called} has {field} = {shown(value)}; a finite number is needed")
 
 
 def _only(called: str, kind: str, allowed: str, field: str, stated: bool) -> None:

@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Iterable, Mapping, Sequence
 
-import numpy as np
-
 from holonom.errors import ModelError, UnknownName
+from holonom.mobile.evaluation import is_finite, shown
 from holonom.mobile.wheel import Wheel
 
 __all__ = ["named_wheels", "positive", "steering_groups"]
@@ -19,6 +17,9 @@ def named_wheels(base: str, wheels: Iterable[Wheel]) -> tuple[Wheel, ...]:
     given = tuple(wheels)
     if not given:
         raise ModelError(f"base {base!r} has no wheels; state at least one")
+    for wheel in given:
+        if not isinstance(wheel, Wheel):
+            raise ModelError(f"base {base!r} has {wheel!r} among its wheels; make each by Wheel(...) or Wheel.at(...)")
     named = tuple(w if w.name else dataclasses.replace(w, name=f"wheel {k + 1}") for k, w in enumerate(given))
     names = [w.name for w in named]
     twice = sorted({n for n in names if names.count(n) > 1})
@@ -29,8 +30,8 @@ def named_wheels(base: str, wheels: Iterable[Wheel]) -> tuple[Wheel, ...]:
 
 def positive(base: str, what: str, value: float) -> float:
     """The value, if it is a number above zero; else ModelError."""
-    if not isinstance(value, (int, float, np.number)) or not (math.isfinite(value) and value > 0.0):
-        raise ModelError(f"base {base!r} has {what} {value}; a number above zero is needed")
+    if not (is_finite(value) and value > 0.0):
+        raise ModelError(f"base {base!r} has {what} {shown(value)}; a number above zero is needed")
     return float(value)
 
 

@@ -7,18 +7,20 @@ take and give (vx, vy, w) in m/s and rad/s.
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+import operator
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from holonom.errors import ModelError, OutOfLimits, ShapeError
+from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile.base import WheelBase
+from holonom.mobile.evaluation import finite, is_finite, shown
 
 __all__ = [
     "Coupling",
+    "Wheels",
     "base_acceleration",
     "base_force",
     "base_twist",
@@ -30,6 +32,8 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+Wheels = int | str | Iterable[int | str]
+"""Driven wheels, each by its name or by its number from 0 on."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +48,8 @@ class Coupling:
         R in m, the length that makes turning a speed.
     alpha
         Mass distribution, `I = alpha M R^2`: 1/2 for a disc, 1 for a ring.
+    names
+        Of the n wheels; "wheel 1" and so on unless given.
 
     Raises
     ------
@@ -53,18 +59,23 @@ class Coupling:
     velocity: Array
     radius: float = 1.0
     alpha: float = 1.0
+    names: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        D = np.array(self.velocity, float)
-        if D.ndim != 2 or D.shape[1] != 3 or not np.isfinite(D).all():
+        D = np.array(finite("coupling D", self.velocity))
+        if D.ndim != 2 or D.shape[1] != 3:
             raise ShapeError(
                 f"coupling D has shape {D.shape}; it must be (n, 3), finite: a row per wheel, (vx, vy, R w)"
             )
         if not len(D):
             raise ModelError("coupling D has no row; a drive needs at least one driven wheel")
         for name, value in (("radius", self.radius), ("alpha", self.alpha)):
-            if not (math.isfinite(value) and value > 0.0):
-                raise OutOfLimits(f"coupling: {name} is {value!r}; it must be a finite number above 0")
+            if not (is_finite(value) and value > 0.0):
+                raise OutOfLimits(f"coupling: {name} is {shown(value)}; it must be a finite number above 0")
+        names = tuple(self.names) or tuple(f"wheel {k + 1}" for k in range(len(D)))
+        if len(set(names)) != len(D):
+            raise ModelError(f"coupling D has {len(D)} rows and the names {list(names)}; state one of its own for each")
+        object.__setattr__(self, "names", names)
         D.setflags(write=False)
         object.__setattr__(self, "velocity", D)
 
@@ -101,12 +112,12 @@ def omni_coupling(
     ------
     ShapeError, OutOfLimits, ModelError
     """
-    phi = np.atleast_1d(np.asarray(angles, float))
-    arm = np.full(phi.shape, radius) if levers is None else np.asarray(levers, float)
+    if not (is_finite(radius) and radius > 0.0):
+        raise OutOfLimits(f"coupling: radius is {shown(radius)}; it must be a finite number above 0")
+    phi = np.atleast_1d(finite("angles", angles))
+    arm = np.full(phi.shape, radius) if levers is None else finite("levers", levers)
     if phi.ndim != 1 or arm.shape != phi.shape:
         raise ShapeError(f"angles have shape {phi.shape}, levers {arm.shape}; both must be (n,)")
-    if not radius > 0.0:
-        raise OutOfLimits(f"coupling: radius is {radius!r}; it must be a finite number above 0")
     return Coupling(np.column_stack([-np.sin(phi), np.cos(phi), arm / radius]), radius, alpha)
 
 
@@ -124,8 +135,8 @@ def coupling_of(base: WheelBase | Coupling | ArrayLike) -> Coupling:
     if isinstance(base, Coupling):
         return base
     if isinstance(base, WheelBase):
-        return Coupling(base.velocity_coupling, base.radius, base.alpha)
-    return Coupling(np.asarray(base, float))
+        return Coupling(base.velocity_coupling, base.radius, base.alpha, base.driven)
+    return Coupling(finite("coupling D", base))
 
 
 def rim_speeds(base: WheelBase | Coupling | ArrayLike, twist: ArrayLike) -> Array:
@@ -193,30 +204,48 @@ def wheel_forces(base: WheelBase | Coupling | ArrayLike, acceleration: ArrayLike
     return f
 
 
-def live_wheels(n: int, out: Sequence[int]) -> NDArray[np.bool_]:
+def live_wheels(coupling: Coupling, out: Wheels) -> NDArray[np.bool_]:
     """(n,) which wheels are left when those of `out` are not.
 
     Raises
     ------
+    UnknownName
+        No wheel has that name.
     OutOfLimits
-        There is no such wheel.
+        No wheel has that number.
     """
-    live = np.ones(n, bool)
-    for wheel in out:
-        if not 0 <= wheel < n:
-            raise OutOfLimits(f"wheel {wheel} is out, but there are wheels 0 to {n - 1}")
-        live[wheel] = False
+    live = np.ones(coupling.wheels, bool)
+    for wheel in [out] if isinstance(out, str) or not isinstance(out, Iterable) else out:
+        live[_number(coupling, wheel)] = False
     return live
 
 
+def _number(coupling: Coupling, wheel: int | str) -> int:
+    if isinstance(wheel, str):
+        if wheel not in coupling.names:
+            raise UnknownName("driven wheel", wheel, coupling.names)
+        return coupling.names.index(wheel)
+    last = coupling.wheels - 1
+    try:
+        number = -1 if isinstance(wheel, bool) else operator.index(wheel)
+    except TypeError:
+        number = -1
+    if not 0 <= number <= last:
+        raise OutOfLimits(
+            f"wheel {wheel!r} is out, but there are wheels 0 to {last}: {', '.join(coupling.names)}; "
+            "state one by its number or its name"
+        )
+    return number
+
+
 def _last(name: str, values: ArrayLike, size: int) -> Array:
-    array = np.asarray(values, float)
+    array = finite(name, values)
     if array.shape[-1:] != (size,):
         raise ShapeError(f"{name} has shape {array.shape}; its last axis must be {size}")
     return array
 
 
 def _mass(mass: float) -> float:
-    if not (math.isfinite(mass) and mass > 0.0):
-        raise OutOfLimits(f"mass is {mass!r} kg; it must be a finite number above 0")
+    if not (is_finite(mass) and mass > 0.0):
+        raise OutOfLimits(f"mass is {shown(mass)} kg; it must be a finite number above 0")
     return mass

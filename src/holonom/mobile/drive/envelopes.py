@@ -8,7 +8,7 @@ least of `(h(k) - k . p) / (k . d)` over its facets' normals k, the cross produc
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -18,8 +18,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.mobile.base import WheelBase
-from holonom.mobile.drive.coupling import Coupling, coupling_of, live_wheels
+from holonom.mobile.drive.coupling import Coupling, Wheels, coupling_of, live_wheels
 from holonom.mobile.drive.limits import DriveLimits
+from holonom.mobile.evaluation import finite, samples
 
 __all__ = [
     "Envelope",
@@ -67,7 +68,7 @@ class Envelope:
     limits: NDArray[np.int64]
 
 
-def effective_motors(base: Base, directions: ArrayLike, *, out: Sequence[int] = ()) -> Array:
+def effective_motors(base: Base, directions: ArrayLike, *, out: Wheels = ()) -> Array:
     """Effective number of motors (k,): the largest force with every |f_i| <= 1, no torque and no cross force.
 
     Parameters
@@ -77,18 +78,18 @@ def effective_motors(base: Base, directions: ArrayLike, *, out: Sequence[int] = 
     directions
         (k,) rad in base_link, counter-clockwise from x.
     out
-        Wheels whose motors are dead.
+        Driven wheels whose motors are dead, by name or number.
 
     Raises
     ------
-    ShapeError, OutOfLimits
+    ShapeError, OutOfLimits, UnknownName
     """
     return force_envelope(base, directions, out=out).value
 
 
 def force_envelope(
     base: Base, directions: ArrayLike, *, limits: ArrayLike = 1.0, lower: ArrayLike | None = None,
-    torque: float = 0.0, out: Sequence[int] = (),
+    torque: float = 0.0, out: Wheels = (),
 ) -> Envelope:  # fmt: skip
     """Largest force (N) in each direction without cross force, while the torque is held.
 
@@ -103,7 +104,7 @@ def force_envelope(
 
     Raises
     ------
-    ShapeError, OutOfLimits
+    ShapeError, OutOfLimits, UnknownName
     """
     coupling = coupling_of(base)
     phi = _directions(directions)
@@ -111,17 +112,18 @@ def force_envelope(
     low = -high if lower is None else _limits("lower", lower, len(phi), coupling.wheels)
     if (low > high).any():
         raise OutOfLimits("force limits: a lower limit is above the upper one; give lower <= limits for each wheel")
-    low, high = _without(low, out), _without(high, out)
+    live = live_wheels(coupling, out)
+    low, high = np.where(live, low, 0.0), np.where(live, high, 0.0)
     value, reachable, held = _reach(coupling.velocity.T, low, high, torque / coupling.radius, phi)
     return Envelope(phi, value, reachable, np.where(held, Limit.MOTOR, Limit.NONE).astype(np.int64))
 
 
-def critical_force(base: Base, directions: ArrayLike, drive: DriveLimits, *, out: Sequence[int] = ()) -> Envelope:
+def critical_force(base: Base, directions: ArrayLike, drive: DriveLimits, *, out: Wheels = ()) -> Envelope:
     """Force (N) in each direction at which the first wheels slip: friction `mu N_i` alone, motors as strong as need be.
 
     Raises
     ------
-    ShapeError, OutOfLimits
+    ShapeError, OutOfLimits, UnknownName
     """
     grip = force_envelope(base, directions, limits=drive.grip(), out=out)
     held = np.where(grip.limits > 0, Limit.FRICTION, Limit.NONE).astype(np.int64)
@@ -130,7 +132,7 @@ def critical_force(base: Base, directions: ArrayLike, drive: DriveLimits, *, out
 
 def acceleration_envelope(
     base: Base, directions: ArrayLike, drive: DriveLimits, *, twist: ArrayLike = (0.0, 0.0, 0.0),
-    angular_acceleration: float = 0.0, out: Sequence[int] = (),
+    angular_acceleration: float = 0.0, out: Wheels = (),
 ) -> Envelope:  # fmt: skip
     """Largest acceleration (m/s2) in each direction under motor and friction limits, and what holds each wheel.
 
@@ -147,7 +149,7 @@ def acceleration_envelope(
 
     Raises
     ------
-    ShapeError, OutOfLimits
+    ShapeError, OutOfLimits, UnknownName
 
     Notes
     -----
@@ -155,14 +157,16 @@ def acceleration_envelope(
     """
     coupling = coupling_of(base)
     phi, D, R = _directions(directions), coupling.velocity, coupling.radius
-    rims = D @ (np.asarray(twist, float) * [1.0, 1.0, R])
+    live = live_wheels(coupling, out)
+    rims = D @ (samples("twist", twist, 3) * [1.0, 1.0, R])
     motor_low, motor_high = drive.motor_limits(rims)
     turn = coupling.alpha * drive.mass * R * angular_acceleration
 
     def edge(acceleration: Array) -> tuple[Array, NDArray[np.bool_], NDArray[np.int64]]:
         along = acceleration[:, None] * np.column_stack([np.cos(phi), np.sin(phi)])
         grip = drive.grip(along)
-        low, high = _without(np.maximum(motor_low, -grip), out), _without(np.minimum(motor_high, grip), out)
+        low = np.where(live, np.maximum(motor_low, -grip), 0.0)
+        high = np.where(live, np.minimum(motor_high, grip), 0.0)
         value, reachable, held = _reach(D.T, np.minimum(low, high), high, turn, phi)
         which = np.where(grip < np.minimum(motor_high, -motor_low), Limit.FRICTION, Limit.MOTOR)
         return value / drive.mass, reachable, np.where(held, which, Limit.NONE).astype(np.int64)
@@ -175,7 +179,7 @@ def acceleration_envelope(
 
 
 def speed_envelope(
-    base: Base, directions: ArrayLike, drive: DriveLimits, *, turning: float = 0.0, out: Sequence[int] = ()
+    base: Base, directions: ArrayLike, drive: DriveLimits, *, turning: float = 0.0, out: Wheels = ()
 ) -> Envelope:
     """Largest speed (m/s) in each direction while the base turns at `turning` (rad/s): no wheel beyond its free speed.
 
@@ -183,11 +187,11 @@ def speed_envelope(
 
     Raises
     ------
-    ShapeError, OutOfLimits
+    ShapeError, OutOfLimits, UnknownName
     """
     coupling = coupling_of(base)
     phi = _directions(directions)
-    live = live_wheels(coupling.wheels, out)
+    live = live_wheels(coupling, out)
     top = drive.rim_speed
     along = np.column_stack([np.cos(phi), np.sin(phi)]) @ coupling.velocity[live, :2].T
     offset = coupling.velocity[live, 2] * coupling.radius * turning
@@ -245,20 +249,14 @@ def _crossing(edge: Callable[[Array], Array], first: Array) -> Array:
 
 
 def _directions(directions: ArrayLike) -> Array:
-    phi = np.atleast_1d(np.asarray(directions, float))
-    if phi.ndim != 1 or not np.isfinite(phi).all():
-        raise ShapeError(f"directions have shape {phi.shape}; they must be (k,) finite angles in rad")
+    phi = np.atleast_1d(finite("directions", directions))
+    if phi.ndim != 1:
+        raise ShapeError(f"directions have shape {phi.shape}; they must be (k,) angles in rad")
     return phi
 
 
 def _limits(name: str, values: ArrayLike, k: int, n: int) -> Array:
-    array = np.asarray(values, float)
-    if not np.isfinite(array).all() or array.shape not in ((), (n,), (k, n)):
-        raise ShapeError(f"{name} has shape {array.shape}; it must be a finite number, ({n},) or ({k}, {n}) of them")
+    array = finite(name, values)
+    if array.shape not in ((), (n,), (k, n)):
+        raise ShapeError(f"{name} has shape {array.shape}; it must be a number, ({n},) or ({k}, {n}) of them")
     return array if array.ndim == 2 else np.broadcast_to(array, (1, n))
-
-
-def _without(limits: Array, out: Sequence[int]) -> Array:
-    """Limits with zeros for the wheels that are out."""
-    live: Array = np.where(live_wheels(limits.shape[-1], out), limits, 0.0)
-    return live

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Literal
@@ -15,7 +14,8 @@ from scipy import optimize
 
 from holonom.errors import OutOfLimits, ShapeError, UnknownName
 from holonom.mobile.base import WheelBase
-from holonom.mobile.drive.coupling import Coupling, coupling_of, live_wheels
+from holonom.mobile.drive.coupling import Coupling, Wheels, coupling_of, live_wheels
+from holonom.mobile.evaluation import is_finite, numbers, samples, shown
 
 __all__ = [
     "Actuation",
@@ -86,7 +86,7 @@ class Actuation:
 
 
 def redistribute(
-    base: Base, acceleration: ArrayLike, mass: float, *, out: Sequence[int] = (), limits: ArrayLike = math.inf,
+    base: Base, acceleration: ArrayLike, mass: float, *, out: Wheels = (), limits: ArrayLike = math.inf,
     least: Literal["norm", "peak"] = "norm", give_up: Literal["rotation", "translation", "together"] = "rotation",
 ) -> Redistribution:  # fmt: skip
     """Forces of the wheels left for an acceleration of the base, or for what comes nearest to it.
@@ -100,7 +100,7 @@ def redistribute(
     mass
         kg.
     out
-        Wheels whose motors are dead and that roll freely.
+        Driven wheels whose motors are dead and that roll freely, by name or number.
     limits
         Greatest |force| of a wheel, N: scalar or (n,).
     least
@@ -124,9 +124,9 @@ def redistribute(
         raise UnknownName("component to give up", give_up, _WEIGHTS)
     if least not in ("norm", "peak"):
         raise UnknownName("measure of forces", least, ("norm", "peak"))
-    if not (math.isfinite(mass) and mass > 0.0):
-        raise OutOfLimits(f"mass is {mass!r} kg; it must be a finite number above 0")
-    live = live_wheels(coupling.wheels, out)
+    if not (is_finite(mass) and mass > 0.0):
+        raise OutOfLimits(f"mass is {shown(mass)} kg; it must be a finite number above 0")
+    live = live_wheels(coupling, out)
     C = coupling.force[:, live] / mass
     nearest = _nearest(C, a, high[live], give_up)
     forces = np.zeros(coupling.wheels)
@@ -135,33 +135,33 @@ def redistribute(
     return Redistribution(_status(C, a, given), forces, given / _scale(coupling), (a - given) / _scale(coupling))
 
 
-def allocation(base: Base, *, out: Sequence[int] = ()) -> Array:
+def allocation(base: Base, *, out: Wheels = ()) -> Array:
     """Matrix (n, 3) from (Fx, Fy, torque / R), N, to the least wheel forces without dead motors: their row is 0.
 
     For control loops; `D^T` times it is 1 while the base is fully actuated, else the projection on what is reachable.
 
     Raises
     ------
-    OutOfLimits
+    OutOfLimits, UnknownName
     """
     coupling = coupling_of(base)
-    live = live_wheels(coupling.wheels, out)
+    live = live_wheels(coupling, out)
     A = np.zeros((coupling.wheels, 3))
     A[live] = np.linalg.pinv(coupling.velocity[live].T, rcond=_RANK)
     return A
 
 
-def actuation(base: Base, *, out: Sequence[int] = ()) -> Actuation:
+def actuation(base: Base, *, out: Wheels = ()) -> Actuation:
     """Rank and directions of acceleration that motors still give when those of `out` are dead and roll freely.
 
     How strong each direction of the plane is: `force_envelope(..., out=out)`.
 
     Raises
     ------
-    OutOfLimits
+    OutOfLimits, UnknownName
     """
     coupling = coupling_of(base)
-    live = live_wheels(coupling.wheels, out)
+    live = live_wheels(coupling, out)
     if not live.any():
         return Actuation(0, np.empty((3, 0)), np.eye(3))
     C = coupling.force[:, live]
@@ -169,7 +169,7 @@ def actuation(base: Base, *, out: Sequence[int] = ()) -> Actuation:
     return Actuation(reachable.shape[1], reachable, scipy.linalg.null_space(C.T, rcond=_RANK))
 
 
-def possible_twists(base: Base, *, blocked: Sequence[int] = ()) -> Array:
+def possible_twists(base: Base, *, blocked: Wheels = ()) -> Array:
     """Twists (3, k) (vx, vy in m/s, w in rad/s) that blocked wheels allow, orthonormal in (vx, vy, R w), by column.
 
     A blocked wheel's rim stands still while its rollers roll: `D_i v = 0`, one direction less for each independent
@@ -177,26 +177,24 @@ def possible_twists(base: Base, *, blocked: Sequence[int] = ()) -> Array:
 
     Raises
     ------
-    OutOfLimits
+    OutOfLimits, UnknownName
     """
     coupling = coupling_of(base)
-    held = coupling.velocity[~live_wheels(coupling.wheels, blocked)]
+    held = coupling.velocity[~live_wheels(coupling, blocked)]
     free = scipy.linalg.null_space(held, rcond=_RANK) if len(held) else np.eye(3)
     twists: Array = free / _scale(coupling)[:, None]
     return twists
 
 
-def feasible_twist(base: Base, twist: ArrayLike, *, blocked: Sequence[int] = ()) -> Array:
+def feasible_twist(base: Base, twist: ArrayLike, *, blocked: Wheels = ()) -> Array:
     """Twist (..., 3) nearest to a demanded one, by (vx, vy, R w), among those that blocked wheels allow.
 
     Raises
     ------
-    ShapeError, OutOfLimits
+    ShapeError, OutOfLimits, UnknownName
     """
     scale = _scale(coupling_of(base))
-    wanted = np.asarray(twist, float)
-    if wanted.shape[-1:] != (3,):
-        raise ShapeError(f"twist has shape {wanted.shape}; its last axis must be vx, vy, w")
+    wanted = samples("twist", twist, 3)
     free = possible_twists(base, blocked=blocked) * scale[:, None]
     nearest: Array = wanted * scale @ free @ free.T / scale
     return nearest
@@ -272,14 +270,14 @@ def _scale(coupling: Coupling) -> Array:
 
 
 def _demand(acceleration: ArrayLike, coupling: Coupling) -> Array:
-    a = np.asarray(acceleration, float)
-    if a.shape != (3,) or not np.isfinite(a).all():
-        raise ShapeError(f"acceleration is {a}; it must be (3,) finite numbers: ax, ay, wd")
+    a = samples("acceleration", acceleration, 3)
+    if a.ndim != 1:
+        raise ShapeError(f"acceleration has shape {a.shape}; (3,) is needed: ax, ay, wd")
     return a * _scale(coupling)
 
 
 def _force_limits(limits: ArrayLike, n: int) -> Array:
-    high = np.asarray(limits, float)
+    high = numbers("force limits", limits)
     if high.shape not in ((), (n,)) or not (high >= 0.0).all():
         raise ShapeError(f"force limits are {high}; they must be a number or ({n},) of them in N, none below 0")
     return np.broadcast_to(high, (n,))

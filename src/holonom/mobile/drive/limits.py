@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from holonom.devices import DcMotor, Gear
 from holonom.errors import InputError, OutOfLimits, ShapeError
 from holonom.mobile.base import WheelBase
+from holonom.mobile.evaluation import finite, is_number, numbers, shown
 from holonom.mobile.stability import wheel_loads
 
 __all__ = ["DriveLimits", "drive_limits"]
@@ -52,9 +53,10 @@ class DriveLimits:
 
     def __post_init__(self) -> None:
         for name in ("wheel_radius", "mass", "friction"):
-            if not getattr(self, name) > 0.0:
-                raise OutOfLimits(f"drive limits: {name} is {getattr(self, name)!r}; it must be above 0")
-        loads = np.asarray(self.loads, float)
+            value = getattr(self, name)
+            if not (is_number(value) and value > 0.0 and (name == "friction" or math.isfinite(value))):
+                raise OutOfLimits(f"drive limits: {name} is {shown(value)}; it must be a number above 0")
+        loads = numbers("drive limits: loads", self.loads)
         if loads.ndim != 1 or not (loads >= 0.0).all():
             raise ShapeError(f"drive limits: loads are {loads}; they must be (n,) forces in N, none below 0")
         if self.transfer is not None and np.shape(self.transfer) != (len(loads), 2):
@@ -73,7 +75,7 @@ class DriveLimits:
         Current within the power stage and within what the supply drives against the back-emf; the motor's own friction
         helps to brake and hinders to drive (both hinder at rest), so does the gear's loss.
         """
-        m = np.asarray(rims, float)
+        m = finite("rims", rims)
         return -self._greatest(-m), self._greatest(m)
 
     def _greatest(self, m: Array) -> Array:

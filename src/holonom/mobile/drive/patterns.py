@@ -15,6 +15,7 @@ from holonom.devices import DcMotor, Gear
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.mobile.base import WheelBase
 from holonom.mobile.drive.coupling import Coupling, coupling_of
+from holonom.mobile.evaluation import finite, is_finite, shown
 
 __all__ = ["PatternParts", "copper_loss", "idle_patterns", "readable_patterns", "split_pattern"]
 
@@ -71,7 +72,7 @@ def split_pattern(base: WheelBase | Coupling | ArrayLike, forces: ArrayLike) -> 
     ShapeError
     """
     N = idle_patterns(base)
-    f = np.asarray(forces, float)
+    f = finite("forces", forces)
     if f.shape[-1:] != (len(N),):
         raise ShapeError(f"forces have shape {f.shape}; their last axis must be the {len(N)} wheels")
     fighting: Array = f @ N @ N.T
@@ -89,8 +90,8 @@ def copper_loss(forces: ArrayLike, motor: DcMotor, gear: Gear, wheel_radius: flo
     ------
     OutOfLimits
     """
-    if not wheel_radius > 0.0:
-        raise OutOfLimits(f"wheel radius is {wheel_radius!r} m; it must be above 0")
-    current = np.asarray(forces, float) * wheel_radius / (gear.ratio * gear.efficiency * motor.torque_constant)
+    if not (is_finite(wheel_radius) and wheel_radius > 0.0):
+        raise OutOfLimits(f"wheel radius is {shown(wheel_radius)} m; it must be a finite number above 0")
+    current = finite("forces", forces) * wheel_radius / (gear.ratio * gear.efficiency * motor.torque_constant)
     heat: Array = motor.resistance * (current * current).sum(axis=-1)
     return heat
