@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -86,9 +87,42 @@ def test_what_cannot_be_calibrated_is_refused(log: Path, tmp_path: Path) -> None
         ({"paths": [one_way], "method": "umbmark"}, CalibrationError, "all counter-clockwise"),
         ({"paths": [no_side], "method": "umbmark"}, CalibrationError, "states no side"),
         ({"paths": [log], "held_out": True}, CalibrationError, "leaving one out needs three or more"),
+        ({"paths": [log], "method": "umbmark", "held_out": True}, CalibrationError, "--held-out came with umbmark"),
+        (
+            {"paths": [log], "method": "umbmark", "parameters": "extended"},
+            CalibrationError,
+            "--parameters came with umbmark",
+        ),
+        ({"paths": [log], "form": "y"}, CalibrationError, "--form y came with least-squares"),
     ):
+        arguments["output"] = tmp_path / "nothing"
         with pytest.raises(problem, match=match):
             calibrate_odometry(**arguments)
+        assert not (tmp_path / "nothing").exists()
+
+
+def test_sides_that_differ_are_named(log: Path, tmp_path: Path) -> None:
+    other = replace(square(1), time=square(1).time + 1.0)
+    path = write_log(OdometryLog(tmp_path, "differential", NOMINAL, 1.5, (other,)), tmp_path / "other")
+    with pytest.raises(CalibrationError, match=r"squares of sides 2, 1.5 m came"):
+        calibrate_odometry([log, path], method="umbmark")
+
+
+def slipping(folder: Path, factor: float) -> Path:
+    good, bad = square(1), square(-1)
+    turns = bad.turns + 0.0
+    turns[150:250, 0] *= factor
+    runs = (good, replace(bad, turns=turns))
+    return write_log(OdometryLog(folder, "differential", NOMINAL, 2.0, runs), folder / "log")
+
+
+def test_a_run_that_stays_astray_is_noted(tmp_path: Path) -> None:
+    """A wheel that slips for a while: the line in the log, and the distance that no calibration takes away."""
+    notes = calibrate_odometry([slipping(tmp_path / "a", 1.3)]).data["notes"]
+    assert any("002-right.csv:1" in note and "the wheels move more than the truth" in note for note in notes)
+    assert any(note.startswith("run 002-right is still") and "not to be trusted" in note for note in notes)
+    with pytest.raises(CalibrationError, match=r"(?s)does not tell .*note: .*002-right.csv:1.* the wheels move more"):
+        calibrate_odometry([slipping(tmp_path / "b", 4.0)])
 
 
 PUBLISHED = [  # OptiOdom, published_results: errors before calibration, those of headings for all drives
@@ -113,7 +147,7 @@ def test_published_sets_from_the_folder(data_folder: Path, folder: str, method: 
 
 
 def test_umbmark_is_for_differential_drives(data_folder: Path) -> None:
-    with pytest.raises(CalibrationError, match="UMBmark is for differential drives; for a omni3"):
+    with pytest.raises(CalibrationError, match="UMBmark is for differential drives; for an omni3"):
         calibrate_odometry([data_folder / "odometry" / "optiodom" / "omni3"], method="umbmark")
 
 

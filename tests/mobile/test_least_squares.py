@@ -154,7 +154,7 @@ def test_bad_input_is_refused() -> None:
     for call, problem, match in (
         (lambda: calibrate([], "differential", nominal), CalibrationError, "no run"),
         (lambda: calibrate([blind], "differential", nominal), CalibrationError, "no ground truth"),
-        (lambda: calibrate([run], "omni3", NOMINAL["omni3"]), CalibrationError, "2 wheels .* a omni3 has 3"),
+        (lambda: calibrate([run], "omni3", NOMINAL["omni3"]), CalibrationError, "2 wheels .* an omni3 has 3"),
         (lambda: calibrate([run], "diferential", nominal), UnknownName, "did you mean 'differential'"),
         (lambda: calibrate([run], "differential", nominal, set_name="all"), UnknownName, "set of parameters"),
         (lambda: calibrate([run], "differential", nominal, lever=0.0), OutOfLimits, "lever"),

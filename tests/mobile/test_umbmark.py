@@ -92,7 +92,7 @@ def test_what_is_no_umbmark_is_refused() -> None:
     for runs, nominal, side, form, problem, match in (
         ([cw, cw], NAMES, 2.0, "x", CalibrationError, "2 run.* all clockwise: .* drive some counter-clockwise, 5 are"),
         ([ccw], NAMES, 2.0, "x", CalibrationError, "all counter-clockwise"),
-        ([], NAMES, 2.0, "x", CalibrationError, "all"),
+        ([], NAMES, 2.0, "x", CalibrationError, "no run came; UMBmark needs squares both ways"),
         ([cw, ccw, straight], NAMES, 2.0, "x", CalibrationError, "run line turned by 0 degrees .* closed squares"),
         ([cw, blind], NAMES, 2.0, "x", CalibrationError, "blind has no ground truth"),
         ([cw, ccw], unequal, 2.0, "x", CalibrationError, "equal diameters"),

@@ -23,6 +23,7 @@ from holonom.mobile.calibration import (
     Calibration,
     PathErrors,
     UMBmark,
+    article,
     calibrate,
     dead_reckoning,
     drive_parameters,
@@ -36,6 +37,7 @@ Array = NDArray[np.float64]
 
 METHODS = ("least-squares", "umbmark")
 FILE, PICTURE = "odometry.json", "odometry.png"
+ASTRAY = 0.05  # share of its way by which a calibrated run may miss the truth without a note
 DRAWN = 12  # runs in the picture, the first ones
 
 
@@ -45,7 +47,7 @@ def calibrate_odometry(
     drive: str | None = None,
     method: str = "least-squares",
     parameters: str | None = None,
-    form: str = "x",
+    form: str | None = None,
     rule: str = "midpoint",
     held_out: bool = False,
     allow_gaps: bool = False,
@@ -59,7 +61,7 @@ def calibrate_odometry(
     drive : a key of `DRIVES`; that of the logs unless given.
     method : one of `METHODS`.
     parameters : for least squares, one of `SETS`; unless given the extended set where the motion tells it.
-    form : of UMBmark: "x", "y" or "mean".
+    form : of UMBmark: "x", "y" or "mean"; "x" unless given.
     rule : of integration, a key of `odometry.RULES`.
     held_out : for least squares, also the errors of each run by a calibration from the others.
     allow_gaps : let gaps in the logs pass with a note.
@@ -75,19 +77,50 @@ def calibrate_odometry(
             raise UnknownName(kind, name, known)
     if drive is not None and drive not in DRIVES:
         raise UnknownName("drive that can be calibrated", drive, DRIVES)
+    _check_options(method, parameters, form, held_out=held_out)
     log = read_log(paths, drive=drive, allow_gaps=allow_gaps)
-    folder = None if output is None else prepare_output(output)
-    found = _umbmark(log, form, rule) if method == "umbmark" else _least_squares(log, parameters, rule)
-    if held_out and method == "least-squares":
-        errors = held_out_errors(log.runs, log.drive, log.nominal, set_name=found.data["set"], rule=rule)
-        found.data["errors_held_out"] = _errors(errors)
+    try:
+        found = _umbmark(log, form or "x", rule) if method == "umbmark" else _least_squares(log, parameters, rule)
+        if held_out:
+            errors = held_out_errors(log.runs, log.drive, log.nominal, set_name=found.data["set"], rule=rule)
+            found.data["errors_held_out"] = _errors(errors)
+    except CalibrationError as error:
+        raise CalibrationError("\n".join([str(error), *(f"note: {note}" for note in log.notes)])) from None
     data = {"drive": log.drive, "method": method, "rule": rule, "runs": [run.name for run in log.runs], **found.data}
-    data["notes"] = [*log.notes, *found.notes]
-    if folder is not None:
+    data["notes"] = [*log.notes, *found.notes, *_astray(log, found.matrix, rule)]
+    if output is not None:
+        folder = prepare_output(output)
         if not _draw(log, found.matrix, rule, folder / PICTURE):
             data["notes"].append("no picture of the paths, Matplotlib is not installed: pip install 'holonom[plots]'")
         (folder / FILE).write_text(json.dumps(data, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     return Answer(_text(data), data)
+
+
+def _check_options(method: str, parameters: str | None, form: str | None, *, held_out: bool) -> None:
+    """Refuse options that the method knows nothing of."""
+    if method == "umbmark":
+        named = [name for name, given in (("--parameters", parameters is not None), ("--held-out", held_out)) if given]
+        if named:
+            raise CalibrationError(f"{' and '.join(named)} came with umbmark; leave it out, or use least-squares")
+    elif form not in (None, "x"):
+        raise CalibrationError(f"--form {form} came with least-squares; leave it out, or use --method umbmark")
+
+
+def _astray(log: OdometryLog, matrix: Array, rule: str) -> tuple[str, ...]:
+    """Notes on runs that calibrated odometry still misses by much of their way."""
+    notes = []
+    for run in log.runs:
+        path = dead_reckoning(run, matrix, rule)
+        steps = np.diff(path, axis=0)
+        lever = np.abs(matrix[:2]).max() / max(np.abs(matrix[2]).max(), 1e-12)
+        way = float(np.hypot(steps[:, 0], steps[:, 1]).sum() + lever * np.abs(steps[:, 2]).sum())
+        miss = float(np.hypot(*(path[:, :2] - run.truth[:, :2]).T).max())
+        if miss > ASTRAY * way:
+            notes.append(
+                f"run {run.name} is still {miss:.3g} m astray after calibration, {miss / way:.0%} of its way: the "
+                "result is not to be trusted; see columns, units, slip and gaps, or leave the run out"
+            )
+    return tuple(notes)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,11 +134,16 @@ class _Found:
 
 def _umbmark(log: OdometryLog, form: str, rule: str) -> _Found:
     if log.drive != "differential":
-        raise CalibrationError(f"UMBmark is for differential drives; for a {log.drive} use least-squares")
+        raise CalibrationError(f"UMBmark is for differential drives; for {article(log.drive)} use least-squares")
+    if log.side is None and log.sides:
+        raise CalibrationError(
+            f"squares of sides {', '.join(f'{side:g}' for side in log.sides)} m came, or of none stated: UMBmark needs "
+            "squares of one side; give the sets one by one, or use least-squares"
+        )
     if log.side is None:
         raise CalibrationError(
-            f"{log.source} states no side of a square, or sets of several sides came: UMBmark needs squares of one "
-            "side; state it (L in the metadata, side in the TOML file), give one set, or use least-squares"
+            f"{log.source} states no side of a square; state it (L in the metadata, side in the TOML file), or use "
+            "least-squares"
         )
     result: UMBmark = umbmark(log.runs, log.nominal, log.side, form=form, rule=rule)
     names = list(result.calibrated)

@@ -20,8 +20,9 @@ class OdometryLog:
     source : file or folder it came from.
     drive : a key of `holonom.mobile.calibration.DRIVES`.
     nominal : the base's physical parameters as stated, m and rad.
-    side : of the square that was driven, m; None for other paths.
+    side : of the square that was driven, m; None for other paths, and where logs of several sides were joined.
     runs : in the order of the files.
+    sides : the different ones of logs that were joined, m.
     notes : what a reader should know: runs that are missing, gaps that were let pass.
     """
 
@@ -31,3 +32,4 @@ class OdometryLog:
     side: float | None
     runs: tuple[Run, ...]
     notes: tuple[str, ...] = ()
+    sides: tuple[float, ...] = ()

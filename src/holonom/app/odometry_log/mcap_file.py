@@ -19,6 +19,7 @@ from mcap.reader import make_reader
 from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
 from mcap.writer import CompressionType, Writer
 from numpy.typing import NDArray
+from zstandard import ZstdError
 
 from holonom.app.odometry_log.table import Table
 from holonom.app.recording.cdr import ENCAPSULATION, CdrReader
@@ -40,6 +41,7 @@ Array = NDArray[np.float64]
 
 JOINTS, ODOMETRY = "sensor_msgs/JointState", "nav_msgs/Odometry"
 SUFFIX = "_steering"
+DAMAGED = (McapError, ZstdError, struct.error, ValueError, KeyError, IndexError)  # what broken files raise
 
 
 def read_mcap_table(
@@ -67,7 +69,7 @@ def read_mcap_table(
     messages = _messages(path, topics or {})
     if not messages.get(JOINTS):
         raise LogError(f"{path}: no {JOINTS} messages; record the wheels' angles as joint states")
-    joints = [joint_message(data) for data in messages[JOINTS]]
+    joints = [_joint_message(path, data) for data in messages[JOINTS]]
     wanted = [(names or {}).get(name, name) for name in (*wheels, *(name + SUFFIX for name in steered))]
     kind = joints[0]
     if any(one.names != kind.names for one in joints):
@@ -152,11 +154,20 @@ def _messages(path: Path, named: Mapping[str, str | None]) -> Mapping[str, list[
                 found[kind].append(message.data)
     except FileNotFoundError:
         raise LogError(f"{path}: there is no such file; give the path of a log") from None
-    except (OSError, McapError, struct.error, ValueError) as error:
+    except LogError:
+        raise
+    except (OSError, *DAMAGED) as error:
         raise LogError(
             f"{path}: no MCAP file that can be read ({error or type(error).__name__}); record it again"
         ) from None
     return found
+
+
+def _joint_message(path: Path, data: bytes) -> JointMessage:
+    try:
+        return joint_message(data)
+    except DAMAGED as error:
+        raise LogError(f"{path}: a damaged {JOINTS} ({error or type(error).__name__}); record it again") from None
 
 
 def _joint_values(path: Path, data: bytes, kind: JointMessage) -> Array:

@@ -20,10 +20,10 @@ from holonom.app.odometry_log.checks import check_motion, check_time, part_names
 from holonom.app.odometry_log.log import OdometryLog
 from holonom.app.odometry_log.table import Table, read_table, read_text
 from holonom.errors import LogError
-from holonom.mobile.calibration import DRIVES, Run, drive_parameters
+from holonom.mobile.calibration import DRIVES, Run, article, drive_parameters
 from holonom.mobile.odometry import angle_per_tick
 
-__all__ = ["find_sets", "read_optiodom"]
+__all__ = ["drive_of", "find_sets", "read_optiodom"]
 
 Array = NDArray[np.float64]
 
@@ -54,6 +54,16 @@ TYPES = {
 def find_sets(folder: Path) -> list[Path]:
     """Metadata files in a folder and those below it, sorted."""
     return sorted(path for path in folder.rglob("*_metadata.csv*") if METADATA.fullmatch(path.name))
+
+
+def drive_of(metadata: Path) -> str:
+    """Drive of a set, by its metadata.
+
+    Raises
+    ------
+    LogError
+    """
+    return _Facts(metadata).kind.drive
 
 
 def read_optiodom(metadata: Path, *, only: Iterable[Path] = (), allow_gaps: bool = False) -> OdometryLog:
@@ -128,7 +138,7 @@ class _Facts:
         cells = self._cells(key, f"{count} number(s)")
         place = f"{self.path}:{self.lines[key]}: {key}"
         if len(cells) != count:
-            raise LogError(f"{place}: {len(cells)} number(s) came; a {self.kind.drive} base has {count}")
+            raise LogError(f"{place}: {len(cells)} number(s) came; {article(self.kind.drive)} base has {count}")
         try:
             values = [float(cell) for cell in cells]
         except ValueError:

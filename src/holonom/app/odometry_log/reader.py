@@ -6,10 +6,13 @@ import dataclasses
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from holonom.app.odometry_log.log import OdometryLog
-from holonom.app.odometry_log.optiodom import METADATA, RUN, find_sets, read_optiodom
+from holonom.app.odometry_log.optiodom import METADATA, RUN, drive_of, find_sets, read_optiodom
 from holonom.app.odometry_log.plain import read_plain
 from holonom.errors import LogError
+from holonom.mobile.calibration import article
 
 __all__ = ["read_log"]
 
@@ -38,9 +41,12 @@ def read_log(paths: Sequence[Path], *, drive: str | None = None, allow_gaps: boo
     if not paths:
         raise LogError("no log came; give a folder or file")
     logs = [log for path in paths for log in _logs(Path(path), drive, allow_gaps=allow_gaps)]
+    _check_twice(logs)
     drives = dict.fromkeys(log.drive for log in logs)
     if drive is not None and list(drives) != [drive]:
-        raise LogError(f"{logs[0].source} is of a {next(iter(drives))} base; a {drive} was asked for: see --drive")
+        raise LogError(
+            f"{logs[0].source} is of {article(next(iter(drives)))} base; {article(drive)} was asked for: see --drive"
+        )
     if len(drives) > 1:
         raise LogError(f"the logs are of {', '.join(drives)} bases; name one of them with --drive")
     return logs[0] if len(logs) == 1 else _joined(logs)
@@ -73,13 +79,25 @@ def _folder(folder: Path, drive: str | None, *, allow_gaps: bool) -> list[Odomet
         raise LogError(
             f"{folder}: neither a file *_metadata.csv, here or below, nor one TOML file; give a folder with a log"
         )
-    logs = [read_optiodom(path, allow_gaps=allow_gaps) for path in sets]
-    wanted = [log for log in logs if drive in (None, log.drive)]
+    drives = {path: drive_of(path) for path in sets}
+    wanted = [path for path in sets if drive in (None, drives[path])]
     if not wanted:
         raise LogError(
-            f"{folder}: sets of {', '.join(dict.fromkeys(log.drive for log in logs))}, none of a {drive} base"
+            f"{folder}: sets of {', '.join(dict.fromkeys(drives.values()))}, none of {article(str(drive))} base"
         )
-    return wanted
+    return [read_optiodom(path, allow_gaps=allow_gaps) for path in wanted]
+
+
+def _check_twice(logs: Sequence[OdometryLog]) -> None:
+    """Refuse a run that came twice, by whatever paths: it would count as two."""
+    seen: dict[bytes, str] = {}
+    for log in logs:
+        for run in log.runs:
+            numbers = b"".join(np.ascontiguousarray(a).tobytes() for a in (run.time, run.turns, run.truth))
+            known, place = seen.get(numbers), f"{run.name} of {log.source}"
+            if known is not None:
+                raise LogError(f"run {place} came before, as {known}, and would count twice; give each run once")
+            seen[numbers] = place
 
 
 def _joined(logs: Sequence[OdometryLog]) -> OdometryLog:
@@ -90,12 +108,13 @@ def _joined(logs: Sequence[OdometryLog]) -> OdometryLog:
         for log in logs
         if dict(log.nominal) != dict(first.nominal)
     ]
-    sides = {log.side for log in logs}
+    sides = list(dict.fromkeys(log.side for log in logs))
     return dataclasses.replace(
         first,
         side=first.side if len(sides) == 1 else None,
         runs=tuple(run for log in logs for run in log.runs),
         notes=tuple(notes),
+        sides=tuple(side for side in sides if side is not None),
     )
 
 

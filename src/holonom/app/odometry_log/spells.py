@@ -22,6 +22,7 @@ SPAN, LEAST = 0.5, 16  # s of a window, and samples that a run must have before 
 NOISE, SHARE = 8.0, 0.2  # a spell: so many times the median disagreement, and this share of what is driven in a window
 JUMP = 5.0  # times the fastest the truth usually is (19 samples in 20)
 JUMPED = 0.01  # m, a smaller step is no jump
+SHORTEST = 3  # samples of a spell
 STANDING = 0.8  # share of a spell's samples without ticks in which a wheel stands
 
 
@@ -56,6 +57,8 @@ def note_spells(table: Table, run: Run, M: Array, wheels: Sequence[str]) -> tupl
     for first, last in _runs_of(jumps):
         texts.setdefault("jump", []).append(_jump(table, view, first, last))
     for first, last in _runs_of(slips & ~_near(jumps, view.half)):
+        if last - first < SHORTEST - 1:
+            continue
         kind, told = _slip(table, view, wheels, first, last)
         texts.setdefault(kind, []).append(told)
     for kind, spells in texts.items():
@@ -67,7 +70,7 @@ def note_spells(table: Table, run: Run, M: Array, wheels: Sequence[str]) -> tupl
 
 _TODO = {
     "jump": "cut the run there, or repair the truth; the calibration takes it for motion",
-    "dropout": "cut the run there; the calibration takes it for geometry",
+    "dropout": "a dropout of the encoder, or clocks that are apart; cut the run there, or the calibration takes it for geometry",
     "slip": "slip, or ticks that were counted too often; cut it out, or the calibration takes it for geometry",
     "lost": "lost ticks, a push, or a fault of the truth; cut it out, or the calibration takes it for geometry",
 }

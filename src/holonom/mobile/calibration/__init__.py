@@ -7,6 +7,7 @@
 `held_out_errors`       what such a calibration is worth on a run it has not seen
 `DRIVES`, `SETS`        what can be calibrated: drives with their parameters, sets of these
 `drive_parameters`      a set and the motion matrix it makes, as `DriveParameters`
+`article`               a drive with its article, for messages
 `wheels_of`             wheels and steered wheels of a drive, in the order of the columns
 `dead_reckoning`        poses of a run by odometry
 `path_errors`           the four error measures, `PathErrors`
@@ -14,7 +15,7 @@
 """
 
 from holonom.mobile.calibration.least_squares import Calibration, calibrate, held_out_errors
-from holonom.mobile.calibration.parameters import DRIVES, SETS, DriveParameters, drive_parameters, wheels_of
+from holonom.mobile.calibration.parameters import DRIVES, SETS, DriveParameters, article, drive_parameters, wheels_of
 from holonom.mobile.calibration.runs import PathErrors, Run, dead_reckoning, path_errors
 from holonom.mobile.calibration.umbmark import UMBmark, umbmark
 
@@ -26,6 +27,7 @@ __all__ = [
     "PathErrors",
     "Run",
     "UMBmark",
+    "article",
     "calibrate",
     "dead_reckoning",
     "drive_parameters",

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy import optimize
 
 from holonom.errors import CalibrationError, OutOfLimits
-from holonom.mobile.calibration.parameters import DriveParameters, drive_parameters, wheels_of
+from holonom.mobile.calibration.parameters import DriveParameters, article, drive_parameters, wheels_of
 from holonom.mobile.calibration.residuals import Problem, path_lever
 from holonom.mobile.calibration.runs import PathErrors, Run, dead_reckoning, need_truth, path_errors
 from holonom.mobile.calibration.uncertainty import check_excitation, random_walk_covariance
@@ -159,8 +159,8 @@ def _checked(runs: Sequence[Run], drive: str) -> tuple[Run, ...]:
     for run in runs:
         if run.turns.shape[1] != len(wheels) or run.steering.shape[1] != len(steered):
             raise CalibrationError(
-                f"run {run.name} has {run.turns.shape[1]} wheels and {run.steering.shape[1]} steering angles; a "
-                f"{drive} has {len(wheels)} ({', '.join(wheels)}) and {len(steered)}"
+                f"run {run.name} has {run.turns.shape[1]} wheels and {run.steering.shape[1]} steering angles; "
+                f"{article(drive)} has {len(wheels)} ({', '.join(wheels)}) and {len(steered)}"
             )
     return tuple(runs)
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from holonom.errors import CalibrationError, OutOfLimits, UnknownName
 
-__all__ = ["DRIVES", "SETS", "DriveParameters", "drive_parameters", "wheels_of"]
+__all__ = ["DRIVES", "SETS", "DriveParameters", "article", "drive_parameters", "wheels_of"]
 
 Array = NDArray[np.float64]
 
@@ -97,6 +97,11 @@ def wheels_of(drive: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
     return (("front",), ("front",)) if drive == "tricycle" else (_WHEELED[drive].wheels, ())
 
 
+def article(drive: str) -> str:
+    """Return "a mecanum" or "an omni3"."""
+    return f"{'an' if drive[0] in 'aeiou' else 'a'} {drive}"
+
+
 def drive_parameters(drive: str, nominal: Mapping[str, float], set_name: str = "physical") -> DriveParameters:
     """Return what is calibrated of a drive.
 
@@ -120,7 +125,7 @@ def drive_parameters(drive: str, nominal: Mapping[str, float], set_name: str = "
         raise UnknownName("set of parameters", set_name, SETS)
     if set(nominal) != set(DRIVES[drive]):
         raise CalibrationError(
-            f"parameters {', '.join(sorted(nominal)) or 'none'} came; a {drive} has {', '.join(DRIVES[drive])}"
+            f"parameters {', '.join(sorted(nominal)) or 'none'} came; {article(drive)} has {', '.join(DRIVES[drive])}"
         )
     values = np.array([float(nominal[name]) for name in DRIVES[drive]])
     for name, value in zip(DRIVES[drive], values, strict=True):

@@ -92,6 +92,8 @@ def umbmark(
     drive = drive_parameters("differential", nominal)
     if abs(drive.nominal[1] - drive.nominal[2]) > 1e-9 * drive.nominal[1]:
         raise CalibrationError("UMBmark starts from equal diameters; give their mean as both")
+    if not runs:
+        raise CalibrationError(f"no run came; UMBmark needs squares both ways round, {FEW} each way are usual")
     need_truth(runs)
     ways = _ways(runs, side)
     paths = [dead_reckoning(run, drive.matrix(drive.nominal), rule) for run in runs]
