@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from bases import twists, wheels
 from hypothesis import given
+from hypothesis import strategies as st
 
 from holonom.errors import ModelError, UnknownName
 from holonom.mobile.base import WheelBase
+from holonom.mobile.equations.wheels import unit
 from holonom.mobile.wheel import KINDS, Wheel
 
 
@@ -127,3 +129,16 @@ def test_unknown_kinds_and_negative_distances_are_refused():
         Wheel.at("sweedish", 0.0, 0.0, radius=0.1)
     with pytest.raises(ModelError, match="turn alpha"):
         Wheel(kind="fixed", l=-0.1, alpha=0.0, beta=0.0, radius=0.1)
+
+
+def test_what_is_zero_but_for_rounding_is_zero():
+    for quarter in range(-4, 5):
+        assert unit(quarter * np.pi / 2) == (round(math.sin(quarter * np.pi / 2)), round(math.cos(quarter * np.pi / 2)))
+    left = Wheel.at("fixed", 0.0, 0.3, radius=0.1)
+    assert (left.x, left.y) == (0.0, 0.3)
+    assert Wheel.at("fixed", -0.3, 0.0, radius=0.1).y == 0.0
+
+
+@given(st.floats(-10.0, 10.0))
+def test_sine_and_cosine_of_an_axle_are_those_of_its_angle(angle):
+    np.testing.assert_allclose(unit(angle), (math.sin(angle), math.cos(angle)), rtol=0.0, atol=1e-15)

@@ -156,8 +156,8 @@ class WheelBase:
         ----------
         twist : (..., 3).
         current : (..., k) rad. The angle is then the nearest to it modulo half turns (the wheel may roll backwards),
-            and wheels whose contact stands still stay. None: wheels head where they roll, in (-pi, pi], and stay at 0;
-            wheels with `max_steering` always take the half turn around their rest.
+            and wheels whose contact stands still stay. None: wheels head where they roll, in (-pi, pi], and stay at 0.
+            Wheels with `max_steering` take the half turn around their rest, whatever is current.
 
         A group that several wheels share takes the angle that drags them least.
 
