@@ -4,7 +4,8 @@ Twists are (vx, vy, w) in base_link, x forwards and y to the left; poses (x, y, 
 
 Wheels and bases
     `Wheel`, `WheelBase`; arrangements by name: `differential`, `tricycle`, `ackermann`, `synchro`, `omni`, `mecanum`,
-    `swerve`, `sphere`; `mobility`, `is_holonomic`, `conflicting_wheels`; `centre_of_twist`, `centre_of_axles`,
+    `swerve`, `sphere`; `mobility`, `degrees_of_freedom`,
+    `is_holonomic`, `conflicting_wheels`; `centre_of_twist`, `centre_of_axles`,
     `castor_rates`.
 Standing and tipping over
     `support_polygon`, `static_margin`, `zero_moment_point`, `dynamic_margin`, `acceleration_limit`, `lateral_limit`,
@@ -69,7 +70,13 @@ from holonom.mobile.drive.failed_motor import (
 from holonom.mobile.drive.limits import DriveLimits, drive_limits
 from holonom.mobile.drive.patterns import PatternParts, copper_loss, idle_patterns, readable_patterns, split_pattern
 from holonom.mobile.drive.slip import SlipReport, SlipSettings, SlipStatus, detect_slip, separable_wheels
-from holonom.mobile.mobility import Mobility, conflicting_wheels, is_holonomic, mobility
+from holonom.mobile.mobility import (
+    Mobility,
+    conflicting_wheels,
+    degrees_of_freedom,
+    is_holonomic,
+    mobility,
+)
 from holonom.mobile.stability import (
     acceleration_limit,
     contact_points,
@@ -120,6 +127,7 @@ __all__ = [
     "contact_points",
     "copper_loss",
     "critical_force",
+    "degrees_of_freedom",
     "detect_slip",
     "differential",
     "drive_limits",
