@@ -19,6 +19,7 @@ from holonom.mobile.odometry import (
     integrate,
     integrate_with_covariance,
     metres_per_tick,
+    steering_jacobians,
 )
 from holonom.mobile.odometry.kernels import sensitivities_into, step_jacobians
 
@@ -133,6 +134,7 @@ def test_ticks_and_counters() -> None:
         (lambda: count_differences(counts, bits=0), OutOfLimits),
         (lambda: integrate([[1.0, 2.0]]), ShapeError),
         (lambda: integrate([[1.0, 2.0, np.inf]]), ShapeError),
+        (lambda: integrate([["a", "b", "c"]]), ShapeError),
         (lambda: integrate(np.zeros((2, 3)), start=(0, 0)), ShapeError),
         (lambda: integrate(np.zeros((2, 3)), rule="eaxct"), UnknownName),
         (lambda: integrate(np.zeros((2, 3)), matrix=np.zeros((3, 2))), ShapeError),
@@ -141,6 +143,15 @@ def test_ticks_and_counters() -> None:
     ):
         with pytest.raises(problem):
             call()
+
+
+def test_the_row_that_is_no_number_is_named() -> None:
+    rows = np.zeros((9, 3))
+    rows[4, 2] = np.nan
+    with pytest.raises(ShapeError, match=r"increments: row 4, column 2 holds nan"):
+        integrate(rows)
+    with pytest.raises(ShapeError, match="increments are no numbers"):
+        integrate([["a", "b", "c"]])
 
 
 @given(seeds, st.sampled_from(sorted(RULES)))
@@ -189,6 +200,45 @@ def test_covariance_agrees_with_many_noisy_runs() -> None:
     assert np.linalg.eigvalsh(told.covariance).min() > -1e-12
 
 
+STEERED = [
+    (arrangements.tricycle(0.4, 0.3, 0.05), [0.4, 0.0, 0.5]),
+    (arrangements.ackermann(0.4, 0.3, 0.05), [0.4, 0.0, 0.5]),
+    (arrangements.swerve(wheelbase=0.4, track=0.3, wheel_radius=0.05), [0.4, -0.2, 0.5]),
+]
+
+
+@pytest.mark.parametrize(("base", "twist"), STEERED, ids=[base.name for base, _ in STEERED])
+def test_covariance_of_steered_bases_agrees_with_many_noisy_runs(base, twist) -> None:
+    """Noise of every rim's way and of every angle, through the base's own forward model, while the steering moves."""
+    rng = np.random.default_rng(7)
+    share = np.linspace(0.5, 1.5, 40)[:, None]
+    steering = base.steering(np.array(twist) * np.hstack([np.ones((40, 2)), share]))
+    turns = 0.05 * base.wheel_speeds(np.array(twist) * np.hstack([np.ones((40, 2)), share]), steering)
+    travel, factor, deviation = turns * 0.05, 4e-5, 0.02
+    by_way, by_angle = steering_jacobians(base, travel, steering)
+    noise = increment_noise(by_way, travel, factor, steering_jacobian=by_angle, steering_deviation=deviation)
+    told = integrate_with_covariance(base.twist(turns, steering), noise)
+    count = 4000
+    ways = travel + rng.normal(size=(count, *travel.shape)) * np.sqrt(factor * np.abs(travel))
+    angles = steering + deviation * rng.normal(size=(count, *steering.shape))
+    steps = base.twist((ways / 0.05).reshape(-1, travel.shape[1]), angles.reshape(-1, steering.shape[1]))
+    ends = np.stack([integrate(rows)[-1] for rows in steps.reshape(count, 40, 3)])
+    spread, size = np.cov(ends.T), np.sqrt(np.diagonal(told.covariance[-1]))
+    assert np.allclose(spread / np.outer(size, size), told.covariance[-1] / np.outer(size, size), atol=0.1)
+    without = increment_noise(by_way, travel, factor)
+    assert np.all(np.linalg.eigvalsh(noise - without) > -1e-15)
+    assert np.trace(noise.sum(0)) > 1.1 * np.trace(without.sum(0))
+
+
+@pytest.mark.parametrize(("base", "twist"), STEERED, ids=[base.name for base, _ in STEERED])
+def test_increments_are_linear_in_the_ways_of_the_rims(base, twist) -> None:
+    steering = np.tile(base.steering(np.array(twist)), (3, 1))
+    travel = np.random.default_rng(1).normal(size=(3, len(base.driven)))
+    by_way, by_angle = steering_jacobians(base, travel, steering)
+    assert np.allclose(np.einsum("nij,nj->ni", by_way, travel), base.twist(travel / 0.05, steering))
+    assert by_angle.shape == (3, 3, len(base.steered))
+
+
 @given(seeds)
 def test_covariance_starts_where_it_is_told_and_turns_with_the_base(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -205,6 +255,18 @@ def test_bad_covariances_are_refused() -> None:
         increment_noise(np.zeros((3, 2)), np.zeros((5, 3)), 0.1)
     with pytest.raises(OutOfLimits, match="from zero up"):
         increment_noise(np.zeros((3, 2)), np.zeros((5, 2)), -0.1)
+    with pytest.raises(ShapeError, match=r"give \(3, wheels\) or \(samples, 3, wheels\)"):
+        increment_noise(np.zeros((4, 3, 2)), np.zeros((5, 2)), 0.1)
+    with pytest.raises(ShapeError, match="give one, or 2"):
+        increment_noise(np.zeros((3, 2)), np.zeros((5, 2)), [0.1, 0.1, 0.1])
+    with pytest.raises(ShapeError, match=r"give \(5, 3, steered wheels\)"):
+        increment_noise(np.zeros((3, 2)), np.zeros((5, 2)), 0.1, steering_jacobian=np.zeros((4, 3, 1)))
+    with pytest.raises(OutOfLimits, match=r"steering deviations .* rad"):
+        increment_noise(
+            np.zeros((3, 2)), np.zeros((5, 2)), 0.1, steering_jacobian=np.zeros((5, 3, 1)), steering_deviation=-1.0
+        )
+    with pytest.raises(ShapeError, match=r"give \(samples, 1\) and \(samples, 1\)"):
+        steering_jacobians(arrangements.tricycle(0.4, 0.3, 0.05), np.zeros((5, 1)), np.zeros((4, 1)))
 
 
 def test_gaps_slip_and_impossible_motion_are_flagged() -> None:

@@ -70,7 +70,7 @@ def note_spells(table: Table, run: Run, M: Array, wheels: Sequence[str]) -> tupl
 
 _TODO = {
     "jump": "cut the run there, or repair the truth; the calibration takes it for motion",
-    "dropout": "a dropout of the encoder, or clocks that are apart; cut the run there, or the calibration takes it for geometry",
+    "dropout": "a dropout, or clocks that are apart; cut the run there, or the calibration takes it for geometry",
     "slip": "slip, or ticks that were counted too often; cut it out, or the calibration takes it for geometry",
     "lost": "lost ticks, a push, or a fault of the truth; cut it out, or the calibration takes it for geometry",
 }

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """One run.
+    """One run; lists become arrays.
 
     Attributes
     ----------
@@ -36,7 +36,9 @@ class Run:
     steering: Array
 
     def __post_init__(self) -> None:
-        n = len(self.time)
+        for name in ("time", "turns", "truth", "steering"):
+            object.__setattr__(self, name, self._numbers(name))
+        n = self.time.size if self.time.ndim == 1 else 0
         shapes = {"turns": self.turns.shape, "truth": self.truth.shape, "steering": self.steering.shape}
         rows_fit = all(len(s) == 2 and s[0] == n for s in (self.turns.shape, self.steering.shape))
         if n < 2 or self.truth.shape not in ((n, 3), (0, 3)) or not rows_fit:
@@ -47,6 +49,13 @@ class Run:
         for name in ("time", "turns", "truth", "steering"):
             if not np.all(np.isfinite(getattr(self, name))):
                 raise ShapeError(f"run {self.name}: {name} holds NaN or infinity; repair the log")
+
+    def _numbers(self, name: str) -> Array:
+        """Lists too."""
+        try:
+            return np.asarray(getattr(self, name), dtype=np.float64)
+        except (TypeError, ValueError):
+            raise ShapeError(f"run {self.name}: {name} holds no numbers, or rows of several lengths") from None
 
     @property
     def features(self) -> Array:

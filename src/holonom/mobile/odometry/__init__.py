@@ -5,7 +5,8 @@
 `angle_per_tick`               angle of the wheel per encoder tick
 `count_differences`            ticks per sample from counters that go on, or run over
 `integrate`, `RULES`           increments of the base to poses: turn then drive, midpoint, exact arc
-`increment_noise`              covariance of increments, from wheel noise that grows with the way
+`increment_noise`              covariance of increments, from noise of wheels, which grows with their way, and of steering
+`steering_jacobians`           increments of a steered base by the ways of its rims and by its angles
 `integrate_with_covariance`    poses with their covariances, an `UncertainPath`
 `flag`, `find_gaps`            samples with gaps, slip or motion that cannot be, as `Flags`
 `optical_increments`           increments from optical sensors (`OpticalSensor`) that look at the floor
@@ -16,7 +17,12 @@ Wheel turns become increments by the base's own forward model: `base.twist(turns
 (rad) per sample as well as speeds.
 """
 
-from holonom.mobile.odometry.covariance import UncertainPath, increment_noise, integrate_with_covariance
+from holonom.mobile.odometry.covariance import (
+    UncertainPath,
+    increment_noise,
+    integrate_with_covariance,
+    steering_jacobians,
+)
 from holonom.mobile.odometry.flags import Flags, find_gaps, flag
 from holonom.mobile.odometry.integrate import RULES, angle_per_tick, count_differences, integrate, metres_per_tick
 from holonom.mobile.odometry.optical import OpticalIncrements, OpticalSensor, calibrate_optical, optical_increments
@@ -37,4 +43,5 @@ __all__ = [
     "integrate_with_covariance",
     "metres_per_tick",
     "optical_increments",
+    "steering_jacobians",
 ]

@@ -158,10 +158,18 @@ def integrate(
 
 def increments_of(increments: ArrayLike, width: int = 3) -> Array:
     """(N, width) finite, contiguous."""
-    rows = np.ascontiguousarray(increments, dtype=np.float64)
-    if rows.ndim != 2 or rows.shape[1] != width or not all_finite(rows):
-        wanted = "dx, dy (m), dtheta (rad)" if width == 3 else f"{width} numbers"
+    wanted = "dx, dy (m), dtheta (rad)" if width == 3 else f"{width} numbers"
+    try:
+        rows = np.ascontiguousarray(increments, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ShapeError(f"increments are no numbers, or rows of several lengths; give rows of {wanted}") from None
+    if rows.ndim != 2 or rows.shape[1] != width:
         raise ShapeError(f"increments have shape {rows.shape}; give finite rows of {wanted}")
+    if not all_finite(rows):
+        row, column = np.argwhere(~np.isfinite(rows))[0]
+        raise ShapeError(
+            f"increments: row {row}, column {column} holds {rows[row, column]}; give finite rows of {wanted}"
+        )
     return rows
 
 
