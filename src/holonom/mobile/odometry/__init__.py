@@ -5,7 +5,7 @@
 `angle_per_tick`               angle of the wheel per encoder tick
 `count_differences`            ticks per sample from counters that go on, or run over
 `integrate`, `RULES`           increments of the base to poses: turn then drive, midpoint, exact arc
-`increment_noise`              covariance of increments, from noise of wheels, which grows with their way, and of steering
+`increment_noise`              covariance of increments, from noise of wheels, growing with their way, and steering
 `steering_jacobians`           increments of a steered base by the ways of its rims and by its angles
 `integrate_with_covariance`    poses with their covariances, an `UncertainPath`
 `flag`, `find_gaps`            samples with gaps, slip or motion that cannot be, as `Flags`
