@@ -29,6 +29,7 @@ from holonom.mobile.drive.slip_kernels import (
 __all__ = ["SlipReport", "SlipSettings", "SlipStatus", "detect_slip", "separable_wheels", "slip_params"]
 
 Array = NDArray[np.float64]
+_MARGIN = 1.25  # of what noise and limits allow: a wheel is named once every other is out by more
 _RANK = 1e-9  # of a singular value beside the largest: below it the wheels do not determine the twist
 
 
@@ -243,6 +244,8 @@ def slip_params(base: WheelBase | Coupling | ArrayLike, settings: SlipSettings) 
         turning_error=float(R * settings.angular_acceleration_error),
         suspects=(1 << n) - 1,
         redundancy=n - 3,
+        margin=_MARGIN,
+        pivot=_pivot(D) if n == 4 else -1,
         persistence=max(1, math.ceil(settings.persistence / settings.dt - 1e-9)),
         confirmation=max(1, math.ceil(min(settings.confirmation, settings.persistence) / settings.dt - 1e-9)),
         most=settings.most,
@@ -263,6 +266,11 @@ def separable_wheels(base: WheelBase | Coupling | ArrayLike) -> NDArray[np.bool_
     apart: NDArray[np.bool_] = (cosine < 1.0 - _RANK) & seen & seen[:, None]
     np.fill_diagonal(apart, seen)
     return apart
+
+
+def _pivot(D: Array) -> int:
+    """Wheel whose speed no twist explains best."""
+    return int(np.argmax(1.0 - np.einsum("ij,ji->i", D, np.linalg.pinv(D))))
 
 
 def _left_out(n: int) -> list[tuple[int, ...]]:

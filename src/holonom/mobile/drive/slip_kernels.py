@@ -46,6 +46,8 @@ class SlipParams(NamedTuple):
     turning_error: float
     suspects: int  # the wheels that a second source can contradict
     redundancy: int  # n - 3
+    margin: float  # distance from the second sources, as a share of what is allowed, that a hypothesis is ruled out at
+    pivot: int  # n = 4: wheel whose residual shows the sign of what no twist explains; else -1
     persistence: int  # samples until slip is raised, or falls
     confirmation: int  # samples that must agree on a name
     most: int  # wheels that are allowed for slipping at once
@@ -59,11 +61,19 @@ class SlipState(NamedTuple):
     rw: float
     slack: float  # how far limits let it move since, m/s
     angular_slack: float
+    held_x: float  # the same of the last sample in which nothing slipped, whatever was named since
+    held_y: float
+    held_rw: float
+    held_slack: float
+    held_angular_slack: float
     level: int  # samples above the bound, less those below
     raised: bool
     pending: int  # wheels that the last samples name
     agreed: int  # how many samples did so
     named: int
+    doubt: int  # how strongly the last samples speak against the name
+    side: int  # n = 4: sign of the residual since slip began
+    mixed: bool  # n = 4: more than one wheel must have slipped since
 
 
 class SlipSample(NamedTuple):
@@ -86,7 +96,8 @@ class SlipSample(NamedTuple):
 @njit(cache=True, error_model="numpy")
 def slip_start() -> SlipState:
     """State before the first sample: no twist is trusted yet."""
-    return SlipState(0.0, 0.0, 0.0, math.inf, math.inf, 0, False, 0, 0, 0)
+    inf = math.inf
+    return SlipState(0.0, 0.0, 0.0, inf, inf, 0.0, 0.0, 0.0, inf, inf, 0, False, 0, 0, 0, 0, 0, False)
 
 
 @njit(cache=True, error_model="numpy")
@@ -111,27 +122,30 @@ def slip_step(
     -----
     Slip is raised when the residual of all wheels was above its bound `persistence` times more often than below. A
     hypothesis stands if the wheels it keeps agree, its turning rate agrees with the gyro's, and its twist can have
-    come of the last trusted one. What all standing hypotheses share is named once `confirmation` samples in a row say
-    so, and stays named while slip lasts and a standing hypothesis holds it. Without redundancy (three wheels) a
-    second source can only contradict.
+    come of the last trusted one and of that before the slip began. What all standing hypotheses share is named once
+    `confirmation` samples in a row say so. A name goes when as many samples say nothing or prefer another one, at
+    once when two in a row contradict it. Without redundancy (three wheels) a second source can only contradict.
+
+    Four wheels cannot tell two that slip from one, and the residual has one sign. If that changes, or a name is
+    contradicted, more than one wheel slips: nothing is named until the slip is over.
     """
     last = _carry(params, state, rate, acceleration)
     known = math.isfinite(rate) or math.isfinite(last.slack)
     vx, vy, rw, statistic = _fit(params, 0, speeds)
-    if params.redundancy > 0:
-        above = not statistic <= params.hypotheses[0, BOUND]
-    else:
+    above = params.redundancy > 0 and not statistic <= params.hypotheses[0, BOUND]
+    if not above and (params.redundancy == 0 or state.held_slack > 0.0):
         above = not _distance(params, 0, last, vx, vy, rw, rate) <= 1.0
     common, union, best = 0, 0, 0
     if above and params.redundancy > 0:
         common, union, best = _standing(params, last, speeds, rate)
-    after = _debounce(params, last, above, common, union if best > 0 else 0)
+    after = _debounce(params, last, above, common, union if best > 0 else 0, int(params.hypotheses[best, LEFT_OUT]),
+                      _side(params, speeds, vx, vy, rw) if above else 0)  # fmt: skip
     if best > 0 and (known or after.named != 0):
         vx, vy, rw, _ = _fit(params, best, speeds)
-    if (
+    if after.level == 0 or (
         after.raised and after.named != 0 and int(params.hypotheses[best, LEFT_OUT]) == after.named
-    ) or after.level == 0:
-        after = SlipState(vx, vy, rw, 0.0, 0.0, after.level, after.raised, after.pending, after.agreed, after.named)
+    ):
+        after = _trust(after, vx, vy, rw)
     return after, _sample(params, after, union, vx, vy, rw, statistic)
 
 
@@ -168,13 +182,41 @@ def _carry(params: SlipParams, state: SlipState, rate: float, acceleration: Floa
     dt = params.dt
     w = rate if math.isfinite(rate) else state.rw / params.radius
     vx, vy, rw = state.vx + dt * w * state.vy, state.vy - dt * w * state.vx, state.rw
+    ex, ey = vx, vy
     slack, angular = params.max_acceleration, params.max_turning
     if math.isfinite(acceleration[0]) and math.isfinite(acceleration[1]):
         vx, vy, slack = vx + dt * acceleration[0], vy + dt * acceleration[1], params.acceleration_error
     if math.isfinite(acceleration[2]):
         rw, angular = rw + dt * acceleration[2], params.turning_error
-    return SlipState(vx, vy, rw, state.slack + dt * slack, state.angular_slack + dt * angular, state.level,
-                     state.raised, state.pending, state.agreed, state.named)  # fmt: skip
+    hx, hy = state.held_x + dt * w * state.held_y, state.held_y - dt * w * state.held_x
+    return SlipState(
+        vx, vy, rw, state.slack + dt * slack, state.angular_slack + dt * angular,
+        hx + vx - ex, hy + vy - ey, state.held_rw + rw - state.rw,
+        state.held_slack + dt * slack, state.held_angular_slack + dt * angular,
+        state.level, state.raised, state.pending, state.agreed, state.named, state.doubt, state.side, state.mixed,
+    )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy")
+def _trust(state: SlipState, vx: float, vy: float, rw: float) -> SlipState:
+    """Trust a twist; where nothing slips, hold it as the one before the next slip."""
+    hx, hy, hr, slack, angular = (
+        state.held_x, state.held_y, state.held_rw, state.held_slack, state.held_angular_slack,
+    )  # fmt: skip
+    if state.level == 0:
+        hx, hy, hr, slack, angular = vx, vy, rw, 0.0, 0.0
+    return SlipState(vx, vy, rw, 0.0, 0.0, hx, hy, hr, slack, angular, state.level, state.raised, state.pending,
+                     state.agreed, state.named, state.doubt, state.side, state.mixed)  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy")
+def _side(params: SlipParams, speeds: Floats, vx: float, vy: float, rw: float) -> int:
+    """Sign of the residual where it has one direction only; 0 where it has more."""
+    i = params.pivot
+    if i < 0:
+        return 0
+    left = speeds[i] - params.rows[i, 0] * vx - params.rows[i, 1] * vy - params.rows[i, 2] * rw
+    return 1 if left > 0.0 else -1 if left < 0.0 else 0
 
 
 @njit(cache=True, error_model="numpy")
@@ -199,8 +241,11 @@ def _fit(params: SlipParams, h: int, speeds: Floats) -> tuple[float, float, floa
 @njit(cache=True, error_model="numpy")
 def _distance(params: SlipParams, h: int, last: SlipState, vx: float, vy: float, rw: float, rate: float) -> float:
     """How far the twist of hypothesis h is from the second sources, as a share of what noise and limits allow."""
-    linear = math.hypot(vx - last.vx, vy - last.vy) / (params.hypotheses[h, LINEAR] + last.slack)
-    farthest = max(linear, abs(rw - last.rw) / (params.hypotheses[h, ANGULAR] + last.angular_slack))
+    own, turn = params.hypotheses[h, LINEAR], params.hypotheses[h, ANGULAR]
+    linear = math.hypot(vx - last.vx, vy - last.vy) / (own + last.slack)
+    farthest = max(linear, abs(rw - last.rw) / (turn + last.angular_slack))
+    linear = math.hypot(vx - last.held_x, vy - last.held_y) / (own + last.held_slack)
+    farthest = max(farthest, linear, abs(rw - last.held_rw) / (turn + last.held_angular_slack))
     if math.isfinite(rate):
         farthest = max(farthest, abs(rw - params.radius * rate) / params.hypotheses[h, RATE])
     return farthest
@@ -227,9 +272,11 @@ def _standing(params: SlipParams, last: SlipState, speeds: Floats, rate: float) 
         possible |= wheels
         size = max(size, 2 if pair else 1)
         distance = _distance(params, h, last, vx, vy, rw, rate)
-        if not distance <= 1.0:
+        if not distance <= (1.0 if last.named != 0 else params.margin):
             continue
         common &= wheels
+        if not distance <= 1.0:
+            continue
         union |= wheels
         distance += (1.0 if wheels & last.named != last.named else 0.0) + (2.0 if pair else 0.0)
         if distance < nearest:
@@ -240,17 +287,40 @@ def _standing(params: SlipParams, last: SlipState, speeds: Floats, rate: float) 
 
 
 @njit(cache=True, error_model="numpy")
-def _debounce(params: SlipParams, state: SlipState, above: bool, common: int, standing: int) -> SlipState:
+def _debounce(
+    params: SlipParams, state: SlipState, above: bool, common: int, standing: int, nearest: int, side: int
+) -> SlipState:
     """Count this sample: raise and release slip, confirm a name, drop one that no longer stands."""
     level = min(state.level + 1, params.persistence) if above else max(state.level - 1, 0)
     raised = level == params.persistence or (state.raised and level > 0)
-    pending, agreed, named = state.pending, state.agreed, state.named
+    pending, agreed, named, mixed = state.pending, state.agreed, state.named, state.mixed or side * state.side < 0
+    doubt = _doubt(params, state, above, common, standing, nearest)
     if above:
         agreed = min(agreed + 1, params.confirmation) if common == pending else 1
         pending = common
-        if agreed == params.confirmation and (pending != 0 or named & standing != named):
-            named = pending
+    if mixed or doubt >= params.confirmation:
+        mixed = mixed or (params.pivot >= 0 and above)
+        pending, agreed, named, doubt = 0, 0, 0, 0
+    elif agreed == params.confirmation and pending != 0 and (pending & named == named or params.pivot < 0):
+        named = pending
     if level == 0:
-        pending, agreed, named = 0, 0, 0
-    return SlipState(state.vx, state.vy, state.rw, state.slack, state.angular_slack, level, raised, pending, agreed,
-                     named)  # fmt: skip
+        pending, agreed, named, doubt, side, mixed = 0, 0, 0, 0, 0, False
+    elif side == 0:
+        side = state.side
+    x, y, r, slack, angular = state.vx, state.vy, state.rw, state.slack, state.angular_slack
+    if state.named != 0 and named == 0:  # the twist that was trusted with it, is not
+        x, y, r = state.held_x, state.held_y, state.held_rw
+        slack, angular = state.held_slack, state.held_angular_slack
+    return SlipState(x, y, r, slack, angular, state.held_x, state.held_y, state.held_rw, state.held_slack,
+                     state.held_angular_slack, level, raised, pending, agreed, named, doubt, side, mixed)  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy")
+def _doubt(params: SlipParams, state: SlipState, above: bool, common: int, standing: int, nearest: int) -> int:
+    """How strongly this and the last samples speak against the name, in samples; two that contradict it suffice."""
+    named = state.named
+    if named == 0 or (common != 0 and common & named == named):
+        return 0
+    if above and standing & named == named:
+        return state.doubt + (1 if nearest != named else 0)
+    return state.doubt + ((params.confirmation + 1) // 2 if above else 1)

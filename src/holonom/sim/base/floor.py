@@ -76,6 +76,11 @@ class Material:
         """B (s/m), from the place of the peak: `C atan(B s) = pi/2`."""
         return math.tan(0.5 * math.pi / self.shape) / self.slip_at_peak
 
+    @property
+    def creep(self) -> float:
+        """Slip speed (m/s) of a gripping wheel over the friction that it uses, where both are small: 1/(B C D)."""
+        return 1.0 / (self.stiffness * self.shape * self.peak) if self.peak > 0.0 else 0.0
+
     def friction(self, slip: float) -> float:
         """Friction coefficient at a slip speed (m/s); odd in it."""
         return self.peak * math.sin(self.shape * math.atan(self.stiffness * slip))

@@ -80,6 +80,8 @@ class LoopParams(NamedTuple):
     residual: Floats  # (m, m) 1 - D D^+
     inverse: Floats  # (3, m) D^+: (vx, vy, R w) per rim speed
     quiet: float  # square sum of the residual, (m/s)^2, up to which nothing slips; below 0: ask the detector always
+    push: Floats  # (m,) part of its grip that a motor pushes with per ampere
+    creep: float  # m/s that a wheel slips with all its grip, were it to grow linearly
     mass: float
     inertia: float
     max_force: float  # N that one wheel is asked for, along its rim
@@ -116,7 +118,7 @@ def run_loop(
     b, base = body[0], state[0]
     rows, keeping = params.rows, params.keeping
     slip = slip_start()
-    trust, weights, rims = np.ones(m), np.ones(m), np.zeros(m)
+    trust, weights, rims, gripping = np.ones(m), np.ones(m), np.zeros(m), np.zeros(m)
     acceleration, share = np.full(3, np.nan), np.zeros((m, 3))
     allocation(rows, weights, share)
     fault, named, dead, stood = 0, 0, 0, 0
@@ -135,12 +137,15 @@ def run_loop(
         for i in range(m):
             rims[i] = _sense(wheels[i], states[i], sensors.current_noise * rng.standard_normal())
         acceleration[0], acceleration[1] = imu_x, imu_y
-        statistic = _residuals(params.residual, rims, wheel_log[k])
-        if params.detect and slip.level == 0 and statistic <= params.quiet:
-            slip = _no_slip(params.inverse, rims)
+        _residuals(params.residual, rims, wheel_log[k])
+        for i in range(m):
+            gripping[i] = rims[i] - _creep(params.creep, params.push[i] * states[i].measured_current)
+        statistic = _square(params.residual, gripping)
+        if params.detect and slip.level == 0 and slip.held_slack == 0.0 and statistic <= params.quiet:
+            slip = _no_slip(params.inverse, gripping)
             base.status, base.flagged = NO_SLIP, 0
         elif params.detect:
-            slip, found = slip_step(params.slip, slip, rims, gyro - base.gyro_bias, acceleration)
+            slip, found = slip_step(params.slip, slip, gripping, gyro - base.gyro_bias, acceleration)
             base.status, base.flagged = found.status, found.named
         lost = _watch_motors(params.watch, wheels, states, base) if params.compensate else 0
         if lost != dead or base.flagged != named:
@@ -336,16 +341,35 @@ def _drive(wheel: Any, own: Any, force: float, acceleration: float) -> None:
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _residuals(residual: Floats, rims: Floats, rows: Records) -> float:
-    """Log what no twist explains of the rim speeds, m/s; return its square sum."""
-    total = 0.0
+def _residuals(residual: Floats, rims: Floats, rows: Records) -> None:
+    """Log what no twist explains of the rim speeds, m/s."""
     for i in range(len(rims)):
         left = 0.0
         for j in range(len(rims)):
             left += residual[i, j] * rims[j]
         rows[i].residual = left
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _square(residual: Floats, rims: Floats) -> float:
+    """Square sum, (m/s)^2, of what no twist explains of rim speeds."""
+    total = 0.0
+    for i in range(len(rims)):
+        left = 0.0
+        for j in range(len(rims)):
+            left += residual[i, j] * rims[j]
         total += left * left
     return total
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _creep(full: float, used: float) -> float:
+    """Slip (m/s) of a gripping wheel that uses a part of its grip; half as much again with all of it.
+
+    Nearly the magic formula's, which rises without bound towards the peak.
+    """
+    part = min(max(used, -1.0), 1.0)
+    return full * part * (1.0 + 0.5 * part * part)
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -356,7 +380,7 @@ def _no_slip(inverse: Floats, rims: Floats) -> SlipState:
         vx += inverse[0, i] * rims[i]
         vy += inverse[1, i] * rims[i]
         rw += inverse[2, i] * rims[i]
-    return SlipState(vx, vy, rw, 0.0, 0.0, 0, False, 0, 0, 0)
+    return SlipState(vx, vy, rw, 0.0, 0.0, vx, vy, rw, 0.0, 0.0, 0, False, 0, 0, 0, 0, 0, False)
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)

@@ -162,6 +162,13 @@ class BasePlant:
         body = 0.5 * self.mass * (s["vx"] ** 2 + s["vy"] ** 2) + 0.5 * self.inertia * s["w"] ** 2
         return float(body + 0.5 * (self.wheels["inertia"] * self.states["speed"] ** 2).sum())
 
+    @property
+    def push(self) -> Array:
+        """(m,) N along its rim per ampere of each motor."""
+        motor, gear = self.drive.motor, self.drive.gear
+        force: Array = motor.torque_constant * gear.ratio * gear.efficiency / self.wheels["radius"]
+        return force
+
     def max_force(self, friction: float) -> float:
         """Force (N) along its rim that a wheel can be asked for: its motor's, or what an assumed friction carries."""
         motor = self.drive.motor

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
 
 from holonom.control.path_keeping import EstimateSettings, KeepingSettings
 from holonom.control.traction import TractionSettings, WatchSettings
@@ -16,21 +16,27 @@ from holonom.errors import ModelError, OutOfLimits, UnknownName
 from holonom.mobile.base import WheelBase
 from holonom.mobile.drive.coupling import Coupling
 from holonom.mobile.drive.slip import SlipSettings, slip_params
+from holonom.mobile.drive.slip_kernels import BOUND, SlipParams
 from holonom.signals import Event
 from holonom.sim.base.floor import Floor
+from holonom.sim.base.kernels import GRAVITY
 from holonom.sim.base.log import BaseLog, log_of
 from holonom.sim.base.loop import CUT_OFF, DONE, STOPPED, LoopParams, SensorParams, run_loop
 from holonom.sim.base.paths import ReferencePath
 from holonom.sim.base.plant import FAULTS, TICK, BaseDrive, BasePlant
 from holonom.sim.base.records import BODY_SAMPLE, WHEEL_SAMPLE
 
-__all__ = ["BaseFault", "BaseSensors", "BaseSettings", "simulate_base"]
+__all__ = ["BaseFault", "BaseSensors", "BaseSettings", "Creep", "simulate_base", "slip_settings"]
 
 Array = NDArray[np.float64]
 
 SLOWEST = 0.2  # part of the path's speed below which a run is cut off
 RESERVE = 0.85  # part of the largest force that a slowed-down path may need; the rest is for errors
 RATE_CHANGE = 1.0  # 1/s, how fast a path is slowed down
+CREEP_ERROR = 0.003  # m/s, standard deviation of what is not known of a gripping wheel's creep
+COUNT_RATE = 120.0  # 1/s, standard deviation of measured speed per encoder count, through the wheels' observer
+LEAST_RATE_NOISE = 2e-3  # rad/s
+TILT = 0.1  # m/s2, of a floor that is not quite level
 ENDINGS = {DONE: "done", STOPPED: "jammed", CUT_OFF: "cut off"}
 
 
@@ -61,18 +67,52 @@ class BaseSensors:
         )
 
 
-SLIP = SlipSettings(
-    noise=0.004,
-    rate_noise=0.004,
-    rate_bias=0.003,
-    max_acceleration=8.0,
-    max_angular_acceleration=150.0,
-    acceleration_error=0.5,
-    angular_acceleration_error=math.inf,
-    persistence=0.012,
-    confirmation=0.006,
-)
-"""Slip detection that leaves creep in peace; noise counts what a gripping wheel creeps."""
+@dataclass(frozen=True, slots=True)
+class Creep:
+    """What the controller knows of gripping wheels: they creep, the more the harder they push.
+
+    Attributes
+    ----------
+    slope
+        Slip speed (m/s) over the part of the load that is pushed with, where both are small.
+    grip
+        Largest part of the load that a wheel can push with.
+
+    Raises
+    ------
+    OutOfLimits
+        A negative slope, a grip that is not positive.
+    """
+
+    slope: float
+    grip: float
+
+    def __post_init__(self) -> None:
+        if not (0.0 <= self.slope < math.inf and 0.0 < self.grip < math.inf):
+            raise OutOfLimits(
+                f"Creep: slope is {self.slope!r} m/s, grip {self.grip!r}; slope must be at least 0, grip above 0"
+            )
+
+
+def slip_settings(sensors: BaseSensors, drive: BaseDrive, radius: float = 0.03) -> SlipSettings:
+    """Slip detection for sensors, encoders and a wheel radius (m): what is noise to them is none of a slipping wheel.
+
+    Rim speed: an encoder count, through the observer of the wheel's speed, beside what the creep of a gripping wheel
+    is known to. Gyro and accelerometers: what they state, at least what good ones have, and a floor that is not quite
+    level; in 10 ms noise averages out to a third.
+    """
+    count = radius * 2.0 * math.pi / drive.encoder.counts_per_rev / abs(drive.gear.ratio)
+    return SlipSettings(
+        noise=math.hypot(CREEP_ERROR, count * COUNT_RATE),
+        rate_noise=max(sensors.gyro_noise, LEAST_RATE_NOISE),
+        rate_bias=abs(sensors.gyro_bias) + LEAST_RATE_NOISE,
+        max_acceleration=8.0,
+        max_angular_acceleration=150.0,
+        acceleration_error=abs(sensors.accelerometer_bias) + sensors.accelerometer_noise / 3.0 + TILT,
+        angular_acceleration_error=math.inf,
+        persistence=0.012,
+        confirmation=0.006,
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,8 +121,13 @@ class BaseSettings:
 
     Attributes
     ----------
-    keeping, estimate, traction, slip, watch, sensors
+    keeping, estimate, traction, watch, sensors
         Their settings.
+    slip
+        Settings of slip detection; "sensors": `slip_settings` of these sensors and the drive's encoders.
+    creep
+        What is known of gripping wheels; None: as measured on the floor's own material. What wheels creep at their
+        forces is taken from their speeds before these are asked for slip.
     friction
         Friction coefficient that the controller counts on; limits the force asked of a wheel.
 
@@ -95,10 +140,11 @@ class BaseSettings:
     keeping: KeepingSettings = field(default_factory=KeepingSettings)
     estimate: EstimateSettings = field(default_factory=EstimateSettings)
     traction: TractionSettings | None = field(default_factory=TractionSettings)
-    slip: SlipSettings | None = SLIP
+    slip: SlipSettings | Literal["sensors"] | None = "sensors"
     watch: WatchSettings | None = field(default_factory=WatchSettings)
     sensors: BaseSensors = BaseSensors()
     friction: float = 0.6
+    creep: Creep | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 < self.friction < math.inf:
@@ -170,7 +216,7 @@ def simulate_base(
     table = sorted((round(f.time / TICK), plant.wheel_index(f.wheel), FAULTS[f.kind]) for f in faults)
     body_log, wheel_log = np.zeros(n, BODY_SAMPLE), np.zeros((n, m), WHEEL_SAMPLE)
     done, ending, phase = run_loop(
-        _loop_params(plant, settings),
+        _loop_params(plant, settings, floor),
         settings.sensors.params(),
         plant.body,
         plant.state,
@@ -191,20 +237,28 @@ def simulate_base(
     return log_of(time, body_log[:done], wheel_log[:done], base.driven, events, ended=ended, driven=driven)
 
 
-def _loop_params(plant: BasePlant, settings: BaseSettings) -> LoopParams:
+def _loop_params(plant: BasePlant, settings: BaseSettings, floor: Floor) -> LoopParams:
     base = plant.base
     coupling = Coupling(plant.rows / [1.0, 1.0, base.radius], base.radius, base.alpha)
     inverse = np.linalg.pinv(coupling.velocity)
+    slip = settings.slip
+    if slip is None or isinstance(slip, str):
+        slip = slip_settings(settings.sensors, plant.drive, float(plant.wheels["radius"].max()))
+    slipping = slip_params(coupling, slip)
+    creep = settings.creep or Creep(floor.material.creep, floor.material.peak or 1.0)
+    loads = plant.mass * GRAVITY * plant.support[: len(plant.driven), 0]
     return LoopParams(
         keeping=settings.keeping.params(TICK),
         estimate=settings.estimate.params(TICK),
         traction=(settings.traction or TractionSettings()).params(TICK),
         watch=(settings.watch or WatchSettings()).params(TICK),
-        slip=slip_params(coupling, settings.slip or SLIP),
+        slip=slipping,
         rows=np.ascontiguousarray(plant.rows),
         residual=np.eye(len(plant.rows)) - coupling.velocity @ inverse,
         inverse=np.ascontiguousarray(inverse),
-        quiet=_quiet(settings.slip or SLIP, len(plant.rows)),
+        quiet=_quiet(slip, slipping),
+        push=plant.push / (loads * creep.grip),
+        creep=creep.slope * creep.grip,
         mass=plant.mass,
         inertia=plant.inertia,
         max_force=plant.max_force(settings.friction),
@@ -216,11 +270,11 @@ def _loop_params(plant: BasePlant, settings: BaseSettings) -> LoopParams:
     )
 
 
-def _quiet(slip: SlipSettings, wheels: int) -> float:
+def _quiet(slip: SlipSettings, params: SlipParams) -> float:
     """Bound of the detector on the square sum of the residual, (m/s)^2, where it is one number for all wheels."""
-    if wheels <= 3 or not isinstance(slip.noise, float):
+    if params.redundancy <= 0 or not isinstance(slip.noise, float):
         return -1.0
-    return float(chi2.isf(slip.false_alarm, wheels - 3)) * slip.noise**2
+    return float(params.hypotheses[0, BOUND]) * slip.noise**2
 
 
 def _driven(path: ReferencePath, phase: float) -> float:
