@@ -80,6 +80,7 @@ def inverse_kernel(model: ArmModel, form: ClosedForm) -> Kernel:
         {"q": (k, n), "status": k},
         name=f"{model.name}_inverse_geometry",
         integers=("status",),
+        branches=True,
     )
 
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from holonom.errors import ShapeError
 from holonom.mechanics.ik_result import IkNearest, IkStatus
 from holonom.mechanics.inverse_geometry import UNREACHABLE
-from holonom.mechanics.nearest_kernels import nearest_of_rows, nearest_one
+from holonom.mechanics.nearest_kernels import nearest_of_rows, nearest_point, nearest_pose
 from holonom.spatial import check_pose
 from holonom.trace import real_array
 
@@ -57,6 +57,7 @@ class Nearest:
         self._joints = np.array([limits.lower, limits.upper, turns, np.ones(arm.n)])
         self._ndim = 1 if form.task == "position" else 2
         self._kernel = arm.kernel("inverse_geometry") if form.exact else None  # else branches are to be refined
+        self._one = nearest_point if form.task == "position" else nearest_pose
         # What a call returns for a branch and its status, made once.
         self._branches = [np.int64(k) for k in range(len(form.names))]
         self._status = [np.int8(status) for status in IkStatus]
@@ -65,13 +66,8 @@ class Nearest:
         """Arguments, result and errors as for `Arm.ik_nearest`."""
         joints = self._joints if weights is None else self._weighted(weights)
         q = np.empty(joints.shape[1])
-        if self._kernel is None or getattr(q0, "ndim", 0) != 1 or getattr(T, "ndim", 0) != self._ndim:
-            return self._general(T, q0, joints)
-        try:
-            code = nearest_one(self._kernel.address, len(self._branches), T, q0, joints, q)  # type: ignore[arg-type]
-        except TypeError:  # other numbers than floats, other layouts
-            code = -1
-        if code < 0:
+        code = -1 if self._kernel is None else self._one(self._kernel.address, len(self._branches), T, q0, joints, q)
+        if code < 0:  # rows of them, lists, other numbers than floats
             return self._general(T, q0, joints)
         if code & 3 == IkStatus.SINGULAR:
             q = self._kept(T, q, np.asarray(q0), np.asarray(True))

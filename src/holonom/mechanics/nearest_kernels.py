@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -10,12 +11,16 @@ from numba import float64, int8, int64, njit, void
 from numpy.typing import NDArray
 
 from holonom.mechanics.inverse_geometry import LIMIT, UNREACHABLE
+from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.pointer import call_kernel
 
-__all__ = ["nearest_of_rows", "nearest_one"]
+__all__ = ["nearest_of_rows", "nearest_point", "nearest_pose"]
 
 Floats = NDArray[np.float64]
 _LIST, _TABLE, _STACK = float64[::1], float64[:, ::1], float64[:, :, ::1]
+
+ROOM = 256
+"""Numbers that the branches of one target may be, all joints and status; no closed form has as many."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -52,12 +57,7 @@ def _choose(branches: Floats, status: Any, at: int, reference: Floats, joints: F
     return best
 
 
-@njit(
-    [int64(int64, int64, target, _LIST, _TABLE, _LIST) for target in (_TABLE, _LIST)],
-    cache=True,
-    error_model="numpy",
-)
-def nearest_one(address: int, count: int, target: Floats, reference: Floats, joints: Floats, q: Floats) -> int:
+def _nearest(address: int, count: int, target: Any, reference: Any, joints: Any, q: Any) -> int:
     """Solve and choose for one target.
 
     Parameters
@@ -73,23 +73,35 @@ def nearest_one(address: int, count: int, target: Floats, reference: Floats, joi
 
     Returns
     -------
-    Four times the number of the branch, plus its status; -1 if something is not finite or of another shape.
+    Four times the number of the branch, plus its status; -1 if something is not finite or no array of its shape.
     """
-    n = q.shape[0]
-    rows = 4 if target.ndim == 2 else 3
-    if target.shape[0] != rows or target.size != (16 if target.ndim == 2 else 3) or reference.shape[0] != n:
+    if not (fits(target) and fits(reference) and fits(joints) and fits(q)):
+        return -1
+    goal, start, found_q = array_of(target), array_of(reference), array_of(q)
+    n = found_q.shape[0]
+    if start.shape[0] != n or count * (n + 1) > ROOM:
         return -1
     total = 0.0
-    for x in target.flat:
+    for x in goal.flat:
         total += x
-    for x in reference:
+    for x in start:
         total += x
     if not math.isfinite(total):
         return -1
-    found = np.empty(count * (n + 1))
-    call_kernel(address, target, found)
-    branch = _choose(found[: count * n].reshape(count, n), found, count * n, reference, joints, q)
+    found = scratch(ROOM)
+    call_kernel(address, goal, found)
+    branch = _choose(found[: count * n].reshape(count, n), found, count * n, start, array_of(joints), found_q)
     return 4 * branch + int(found[count * n + branch])
+
+
+def _compiled(*target: int) -> Callable[..., int]:
+    listed, table = ArrayObject(float64, (None,)), ArrayObject(float64, (4, None))
+    written = ArrayObject(float64, (None,), True)
+    kind = int64(int64, int64, ArrayObject(float64, target), listed, table, written)
+    return direct(njit(kind, cache=True, error_model="numpy")(_nearest))
+
+
+nearest_pose, nearest_point = _compiled(4, 4), _compiled(3)
 
 
 @njit(

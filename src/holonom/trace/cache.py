@@ -19,6 +19,9 @@ from holonom.errors import OutputError
 
 __all__ = ["cache_folder", "load_module"]
 
+HELPERS = ("direct.py", "elementary.py", "emit.py", "lanes.py", "lower.py")
+"""Our modules that a kernel is made by and made of."""
+
 
 def cache_folder() -> Path:
     """Return the folder of generated kernels: `HOLONOM_CACHE`, else the user's cache folder."""
@@ -33,7 +36,7 @@ def _environment() -> str:
     import llvmlite
     import numba
 
-    helpers = [Path(__file__).with_name(name).read_text() for name in ("elementary.py", "emit.py", "lower.py")]
+    helpers = [Path(__file__).with_name(name).read_text() for name in HELPERS]
     return "\n".join([numba.__version__, llvmlite.__version__, sys.version, *helpers])
 
 

@@ -62,9 +62,9 @@ def arctan2(y: float, x: float) -> float:
     ax, ay = abs(x), abs(y)
     big = select(ax > ay, ax, ay)
     small = select(ax > ay, ay, ax)
-    t = small / select(big > 0.0, big, 1.0)
-    far = t > 0.66
-    u = select(far, (t - 1.0) / (t + 1.0), t)
+    far = small > 0.66 * big
+    below = select(far, small + big, big)
+    u = select(far, small - big, small) / select(below > 0.0, below, 1.0)
     z = u * u
     p = (((-8.750608600031904122785e-1 * z - 1.615753718733365076637e1) * z
         - 7.500855792314704667340e1) * z - 1.228866684490136173410e2) * z - 6.485021904942025371773e1  # fmt: skip

@@ -11,12 +11,27 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from holonom.trace.graph import Graph, Scalar, live_nodes
 
-__all__ = ["LANES", "Field", "emit_block", "emit_pointer", "emit_single", "operand", "straight_line"]
+if TYPE_CHECKING:
+    from holonom.trace.lanes import Lanes
+
+__all__ = [
+    "LANES",
+    "WIDTH",
+    "Field",
+    "Results",
+    "emit_block",
+    "emit_pointer",
+    "emit_single",
+    "operand",
+    "straight_line",
+]
 
 LANES = 64
+WIDTH = 4  # branches of a vector (`trace.lanes`): what most registers hold; more make several, computed together
 Results = Mapping[str, list[str]]
 BLOCK_FLAGS = ("contract", "nsz", "arcp")  # "reassoc" gains nothing here, and LLVM got one of 504 outputs wrong with it
 SCALAR_FLAGS = ("contract", "nsz")
@@ -26,6 +41,7 @@ import numpy as np
 from numba import carray, cfunc, njit, types
 from numba.extending import intrinsic
 
+from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.lower import lower
 
 '''
@@ -87,12 +103,8 @@ def straight_line(graph: Graph, outputs: Sequence[Scalar]) -> list[str]:
     return lines
 
 
-def _kind(f: Field, dims: str) -> str:
-    return f"types.{'int8' if f.integer else 'float64'}[{dims}]"
-
-
-def _contiguous(f: Field) -> str:
-    return ", ".join([":"] * (len(f.shape) - 1) + ["::1"])
+def _scalar(f: Field) -> str:
+    return f"types.{'int8' if f.integer else 'float64'}"
 
 
 def _names(fields: Sequence[Field]) -> list[str]:
@@ -135,7 +147,7 @@ def emit_block(
     program += [*_check(inputs), f"buf[{len(names)}] = check", *body]
     program += [f"buf[{len(names) + 1 + k}] = {value}" for k, value in enumerate(values)]
     arguments = ", ".join([f.name for f in (*inputs, *outputs)] + ["first", "last"])
-    kinds = ", ".join([_kind(f, ":, ::1") for f in (*inputs, *outputs)] + ["types.int64"] * 2)
+    kinds = ", ".join([f"{_scalar(f)}[:, ::1]" for f in (*inputs, *outputs)] + ["types.int64"] * 2)
     return (
         MODULE.format(title=title, count=len(body))
         + _intrinsic("straight_line", program, ("buf", "lane"), BLOCK_FLAGS, LANES)
@@ -168,37 +180,75 @@ def _moves(fields: Sequence[Field], column: int, move: str) -> str:
 
 
 def emit_single(
-    title: str, body: Sequence[str], inputs: Sequence[Field], outputs: Sequence[Field], results: Results
+    title: str,
+    body: Sequence[str],
+    inputs: Sequence[Field],
+    outputs: Sequence[Field],
+    results: Results,
+    lanes: Lanes | None = None,
 ) -> str:
     """Return the module of the one-sample form: `single(in1, ..., out1, ...) -> status`; 0 is fine."""
     every = (*inputs, *outputs)
-    given, arguments = [f.name for f in inputs], [f.name for f in every]
-    kinds = ", ".join(_kind(f, _contiguous(f)) for f in every)
-    shapes = [f"{f.name}.shape[{k}] != {size}" for f in every for k, size in enumerate(f.shape)]
+    given, taken = [f.name for f in inputs], [f.name for f in outputs]
+    kinds = [f"ArrayObject({_scalar(f)}, {f.shape}, {f in outputs})" for f in every]
     check = [*_loads(inputs), *_check(inputs), "return check"]
-    program = [*_loads(inputs), *body, *_stores(outputs, results)]
+    stores = _stores(outputs, lanes.results if lanes else results)
     return (
         MODULE.format(title=title, count=len(body))
         + _intrinsic("finite", check, given, SCALAR_FLAGS, 1)
-        + _intrinsic("straight_line", program, arguments, SCALAR_FLAGS, 1)
-        + f'@njit(types.int64({kinds}), error_model="numpy", cache=True)\ndef single({", ".join(arguments)}):\n'
-        + f"    if {' or '.join(shapes)}:\n        return 1\n"
-        + f"    if finite({', '.join(given)}) != 0.0:\n        return 2\n"
-        + f"    straight_line({', '.join(arguments)})\n    return 0\n"
+        + _line(given, taken, _loads(inputs), body, stores, lanes)
+        + f'@njit(types.int64({", ".join(kinds)}), error_model="numpy", cache=True)\n'
+        + f"def single({', '.join((*given, *taken))}):\n"
+        + f"    if not ({' and '.join(f'fits({name})' for name in (*given, *taken))}):\n        return 1\n"
+        + f"    if finite({_arrays(given)}) != 0.0:\n        return 2\n"
+        + f"    straight_line({_arrays((*given, *taken))})\n    return 0\n\n\nsingle = direct(single)\n"
     )
 
 
+def _arrays(names: Sequence[str]) -> str:
+    return ", ".join(f"array_of({name})" for name in names)
+
+
 def emit_pointer(
-    title: str, body: Sequence[str], inputs: Sequence[Field], outputs: Sequence[Field], results: Results
+    title: str,
+    body: Sequence[str],
+    inputs: Sequence[Field],
+    outputs: Sequence[Field],
+    results: Results,
+    lanes: Lanes | None = None,
 ) -> str:
     """Return the module of the C form: `pointer(double* in, double* out)`, all inputs then all outputs in a row."""
-    names, values = _names(inputs), [value for f in outputs for value in results[f.name]]
-    program = [f"{name} = a[{k}]" for k, name in enumerate(names)]
-    program += [*body, *(f"b[{k}] = {value}" for k, value in enumerate(values))]
+    names, found = _names(inputs), lanes.results if lanes else results
+    values = [value for f in outputs for value in found[f.name]]
+    loads = [f"{name} = a[{k}]" for k, name in enumerate(names)]
+    stores = [f"b[{k}] = {value}" for k, value in enumerate(values)]
     return (
         MODULE.format(title=title, count=len(body))
-        + _intrinsic("straight_line", program, ("a", "b"), SCALAR_FLAGS, 1)
+        + _line("a", "b", loads, body, stores, lanes)
         + "@cfunc(types.void(types.CPointer(types.float64), types.CPointer(types.float64)), "
         + 'error_model="numpy", cache=True)\ndef pointer(source, target):\n'
         + f"    straight_line(carray(source, {len(names)}), carray(target, {len(values)}))\n"
+    )
+
+
+def _line(
+    given: Sequence[str],
+    taken: Sequence[str],
+    loads: Sequence[str],
+    body: Sequence[str],
+    stores: Sequence[str],
+    lanes: Lanes | None,
+) -> str:
+    """Text of `straight_line(inputs, outputs)`; with lanes in three parts, which hand on what they know in `buf`."""
+    if lanes is None:
+        return _intrinsic("straight_line", [*loads, *body, *stores], [*given, *taken], SCALAR_FLAGS, 1)
+    return (
+        _intrinsic("shared", [*loads, *lanes.shared], [*given, "buf"], SCALAR_FLAGS, 1)
+        + _intrinsic("branch", lanes.branch, ("buf", "lane"), BLOCK_FLAGS, WIDTH)
+        + _intrinsic("spread", [*lanes.loads, *stores], ["buf", *taken], SCALAR_FLAGS, 1)
+        + '@njit(error_model="numpy", cache=True)\ndef branches(buf):\n'
+        + f"    for lane in range({WIDTH}):\n        branch(buf, lane)\n\n\n"
+        + f'@njit(error_model="numpy", cache=True)\ndef straight_line({", ".join((*given, *taken))}):\n'
+        + f"    buf = scratch({lanes.size})\n    shared({', '.join(given)}, buf)\n    branches(buf)\n"
+        + f"    spread(buf, {', '.join(taken)})\n\n\n"
     )

@@ -14,6 +14,7 @@ from holonom.errors import ShapeError
 from holonom.trace.cache import load_module
 from holonom.trace.emit import LANES, Field, emit_block, emit_pointer, emit_single, operand, straight_line
 from holonom.trace.graph import Graph, Scalar
+from holonom.trace.lanes import Lanes, lanes_of
 from holonom.trace.real import real_array
 from holonom.trace.threads import check_threads, share
 
@@ -30,6 +31,7 @@ def compile(
     *,
     name: str,
     integers: Sequence[str] = (),
+    branches: bool = False,
 ) -> Kernel:
     """Trace an equation once and return its kernel; machine code is made on first use, or loaded from the cache.
 
@@ -44,6 +46,8 @@ def compile(
         Title and file name of the generated module.
     integers
         Outputs that hold small integers and are stored as int8.
+    branches
+        The outputs have a row per branch, all by like equations: one sample's branches then run side by side.
     """
     graph = Graph()
     ins = [_field(key, shape, key in integers) for key, shape in inputs.items()]
@@ -56,7 +60,7 @@ def compile(
         if len(scalars) != f.width:
             raise ShapeError(f"equation {name!r} gives {len(scalars)} numbers for {f.name!r}; {f.width} were declared")
         results[f.name] = scalars
-    return Kernel(name, tuple(ins), tuple(outs), graph, results)
+    return Kernel(name, tuple(ins), tuple(outs), graph, results, branches)
 
 
 def _field(name: str, shape: Shape, integer: bool) -> Field:
@@ -68,7 +72,7 @@ class Kernel:
 
     Call it with one array per input: one sample each (its own shape) or a batch of rows (leading axes before it).
     `kernel.single(in1, ..., out1, ...)` is the fastest way for one sample: C-contiguous float64 arrays of exactly the
-    declared shapes, outputs given; it returns 0, 1 (wrong shape) or 2 (NaN or infinity among the inputs).
+    declared shapes, outputs given; it returns 0, 1 (something else came) or 2 (NaN or infinity among the inputs).
     """
 
     def __init__(
@@ -78,10 +82,13 @@ class Kernel:
         outputs: tuple[Field, ...],
         graph: Graph,
         results: Mapping[str, list[Scalar]],
+        branches: bool = False,
     ) -> None:
         self.name, self.inputs, self.outputs = name, inputs, outputs
         self._body = straight_line(graph, [s for values in results.values() for s in values])
         self._results = {key: [operand(graph, s.i) for s in values] for key, values in results.items()}
+        lanes = functools.partial(lanes_of, graph, outputs, results) if branches else lambda: None
+        self._lanes: Callable[[], Lanes | None] = functools.cache(lanes)
         self._allocate = [(f.shape, np.dtype(np.int8 if f.integer else np.float64)) for f in outputs]
 
     @property
@@ -92,21 +99,21 @@ class Kernel:
     @property
     def source(self) -> str:
         """Readable text of the one-sample form."""
-        return self.text(emit_single)
+        return self.text(emit_single, self._lanes())
 
     @property
     def block_source(self) -> str:
         """Readable text of the batch form."""
         return self.text(emit_block)
 
-    def text(self, emit: Callable[..., str]) -> str:
-        """Text of another form, written by `emit(title, body, inputs, outputs, results)`."""
-        return emit(self.name, self._body, self.inputs, self.outputs, self._results)
+    def text(self, emit: Callable[..., str], *more: Any) -> str:
+        """Text of another form, written by `emit(title, body, inputs, outputs, results, *more)`."""
+        return emit(self.name, self._body, self.inputs, self.outputs, self._results, *more)
 
     @functools.cached_property
     def single(self) -> Callable[..., int]:
         """The compiled one-sample form (see the class)."""
-        return load_module(f"{self.name}_single", self.text(emit_single)).single
+        return load_module(f"{self.name}_single", self.source).single
 
     @functools.cached_property
     def rows(self) -> Callable[..., float]:
@@ -116,7 +123,7 @@ class Kernel:
     @functools.cached_property
     def address(self) -> int:
         """Address of the C form `void(double* inputs, double* outputs)`, for compiled loops over any robot."""
-        return load_module(f"{self.name}_pointer", self.text(emit_pointer)).pointer.address
+        return load_module(f"{self.name}_pointer", self.text(emit_pointer, self._lanes())).pointer.address
 
     def __call__(self, *arrays: Any, out: Any = None, threads: int = 1) -> Any:
         """Evaluate one sample or a batch.
@@ -141,21 +148,21 @@ class Kernel:
         InputError
             `threads` is no whole number of at least 1.
         """
-        return self.call(*arrays, out=out, threads=threads)
-
-    @functools.cached_property
-    def call(self) -> Callable[..., Any]:
-        """Calling the kernel, as a plain function: Python's way to `__call__` costs as much as a small kernel."""
-        return _caller(self, self._general, len(self.inputs[0].shape), self._allocate)
-
-    def _general(self, arrays: Sequence[Any], out: Any, threads: int) -> Any:
-        """Check, broadcast and evaluate whatever the one-sample form did not take."""
-        threads = check_threads(threads)
         if len(arrays) != len(self.inputs):
             raise ShapeError(
                 f"{self.name} takes {len(self.inputs)} arrays ({', '.join(f.name for f in self.inputs)}); "
                 f"{len(arrays)} came"
             )
+        return self.call(*arrays, out=out, threads=threads)
+
+    @functools.cached_property
+    def call(self) -> Callable[..., Any]:
+        """Calling the kernel, as a plain function: Python's way to `__call__` costs as much as a small kernel."""
+        return _caller(self, self._general)
+
+    def _general(self, arrays: Sequence[Any], out: Any, threads: int) -> Any:
+        """Check, broadcast and evaluate whatever the one-sample form did not take."""
+        threads = check_threads(threads)
         rows, lead = self._plain_rows(arrays) or self._rows_of(arrays)
         count = len(rows[0])
         if out is None:
@@ -231,41 +238,37 @@ class Kernel:
                 raise ShapeError(f"{f.name}[{slot}] is {a[row, slot]}{place}; finite numbers are needed")
 
 
-def _caller(
-    kernel: Kernel, general: Callable[..., Any], ndim: int, outputs: Sequence[tuple[tuple[int, ...], Any]]
-) -> Callable[..., Any]:
-    """One sample at once, or else the general way; the one-sample form is loaded when it is first needed.
+CALL = """
+def call({inputs}, /, *, out=None, threads=1):
+    try:
+        if in0.ndim == {ndim} and threads == 1:
+            {outputs} = {made} if out is None else out
+            if single({inputs}, {outputs}) == 0:
+                return {outputs}
+    except (TypeError, ValueError, AttributeError):
+        pass
+    return general(({inputs},), out, threads)
+"""
 
-    Rows would make the one-sample form raise its TypeError, which costs more than a thousand samples: hence `ndim`.
+
+def _caller(kernel: Kernel, general: Callable[..., Any]) -> Callable[..., Any]:
+    """One sample at once, or else the general way; written out, for loops over arguments cost as much as a kernel.
+
+    The one-sample form is loaded when it is first needed.
     """
-    empty, single = np.empty, None
-    shapes, kinds = zip(*outputs, strict=True)
-    shape, kind = outputs[0]
 
-    def one_output(*arrays: Any, out: Any = None, threads: int = 1) -> Any:
-        nonlocal single
-        try:
-            if arrays[0].ndim == ndim and threads == 1:
-                if single is None:
-                    single = kernel.single
-                result = empty(shape, kind) if out is None else out
-                if single(*arrays, result) == 0:
-                    return result
-        except (TypeError, AttributeError, IndexError):
-            pass
-        return general(arrays, out, threads)
+    def load(*arrays: Any) -> int:
+        names["single"] = kernel.single
+        return kernel.single(*arrays)
 
-    def several_outputs(*arrays: Any, out: Any = None, threads: int = 1) -> Any:
-        nonlocal single
-        try:
-            if arrays[0].ndim == ndim and threads == 1:
-                if single is None:
-                    single = kernel.single
-                results = tuple(map(empty, shapes, kinds) if out is None else out)
-                if single(*arrays, *results) == 0:
-                    return results
-        except (TypeError, AttributeError, IndexError):
-            pass
-        return general(arrays, out, threads)
-
-    return one_output if len(outputs) == 1 else several_outputs
+    names: dict[str, Any] = {"empty": np.empty, "single": load, "general": general}
+    names |= {str(kind): kind for _, kind in kernel._allocate}
+    text = CALL.format(
+        inputs=", ".join(f"in{k}" for k in range(len(kernel.inputs))),
+        ndim=len(kernel.inputs[0].shape),
+        outputs=", ".join(f"out{k}" for k in range(len(kernel.outputs))),
+        made=", ".join(f"empty({shape}, {kind})" for shape, kind in kernel._allocate),
+    )
+    exec(text, names)
+    call: Callable[..., Any] = names["call"]
+    return call
