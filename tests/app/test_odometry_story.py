@@ -178,6 +178,37 @@ def test_jumps_slip_and_dropouts_are_noted(tmp_path: Path, name: str) -> None:
     assert abs(last - 261) <= 13
 
 
+def test_noise_of_a_turn_on_the_spot_is_no_unit(tmp_path: Path) -> None:
+    """The truth wanders by millimetres while nothing is driven: a way that is no way."""
+    rng = np.random.default_rng(2)
+    turns = np.tile([-0.02, 0.02], (len(TIME), 1))
+    turns[0] = 0.0
+    p = drive_parameters("differential", NOMINAL["differential"])
+    truth = integrate(turns @ p.matrix(p.nominal).T) + rng.normal(size=(len(TIME), 3)) * [3e-3, 3e-3, 0.0]
+    run = Run("spin", TIME, turns, truth, np.empty((len(TIME), 0)))
+    log = OdometryLog(tmp_path, "differential", NOMINAL["differential"], None, (run,))
+    assert read_log([write_log(log, tmp_path)]).notes == ()
+
+
+def test_runs_of_single_samples_are_cut_at_gaps(tmp_path: Path) -> None:
+    run = drive("differential")
+    kept = np.delete(np.arange(len(TIME)), slice(250, 300))
+    holed = Run("run", run.time[kept], run.turns[kept], run.truth[kept], run.steering[kept])
+    log = OdometryLog(tmp_path, "differential", NOMINAL["differential"], None, (holed,))
+    back = read_log([write_log(log, tmp_path)], allow_gaps=True)
+    assert [part.name for part in back.runs] == ["001-run part 1", "001-run part 2"]
+    assert not back.runs[1].turns[0].any()
+    assert "cut there" in back.notes[0]
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_runs_of_a_few_samples_are_read_quietly(tmp_path: Path, count: int) -> None:
+    run = drive("differential")
+    short = Run("run", run.time[:count], run.turns[:count], run.truth[:count], run.steering[:count])
+    log = OdometryLog(tmp_path, "differential", NOMINAL["differential"], None, (short,))
+    assert len(read_log([write_log(log, tmp_path)]).runs[0].time) == count
+
+
 OPTIODOM = ["diff/square/230620202042", "tricyc/square/140120211446", "omni3/circular/221220201730"]
 
 

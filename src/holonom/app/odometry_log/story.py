@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 
 SPAN = 0.5  # s, least length of a window
 STRIDES = 8  # windows that a run should have at least
+NONE = 1e-5  # a motion so much smaller than the other has no unit: one of them stood still
 BEND = 0.7  # rad, that a window turns in the mean at most
 STILL = 0.02  # m, of wheels and truth, below which there is nothing to compare
 ASTRAY = 0.1  # share of the motion by which wheels and truth must disagree before another reading is looked for
@@ -34,7 +35,7 @@ ALIKE, NEAR = 1.3, 0.02  # readings that leave so little more than the best one 
 HOPELESS = 0.5  # share of the motion above which a log is refused although no reading explains it
 DOUBTFUL = 0.3  # share above which it is noted
 FACTOR = 1.5  # by which way and turn of wheels and truth may differ in the mean
-SMALL = 0.1  # share of a motion that is too small to tell a unit
+FEW_WAYS, FEW_TURNS = 0.3, 0.1  # shares of a motion that are too small to tell a unit: noise makes way on the spot
 
 MOST = 3  # mistakes in a message that would explain a log alike
 
@@ -164,13 +165,14 @@ def _factors(wheels: Array, truth: Array) -> tuple[float, float]:
     """By what ways and turns of the truth must be multiplied; 1 where they are near or tell nothing."""
     ways = [float(np.hypot(m[:, 0], m[:, 1]).sum()) for m in (wheels, truth)]
     turns = [float(np.abs(m[:, 2]).sum()) for m in (wheels, truth)]
-    return _factor(ways, turns), _factor(turns, ways)
+    return _factor(ways, turns, FEW_WAYS), _factor(turns, ways, FEW_TURNS)
 
 
-def _factor(sizes: Sequence[float], others: Sequence[float]) -> float:
-    told = max(sizes) > STILL and any(size > SMALL * other for size, other in zip(sizes, others, strict=True))
-    ratio = sizes[0] / max(sizes[1], 1e-12)
-    return ratio if told and not 1.0 / FACTOR < ratio < FACTOR else 1.0
+def _factor(sizes: Sequence[float], others: Sequence[float], small: float) -> float:
+    told = min(sizes) > NONE * max(sizes) > NONE * STILL and any(
+        size > small * other for size, other in zip(sizes, others, strict=True)
+    )
+    return sizes[0] / sizes[1] if told and not 1.0 / FACTOR < sizes[0] / sizes[1] < FACTOR else 1.0
 
 
 def _truths(view: _View) -> Iterator[_Reading]:
