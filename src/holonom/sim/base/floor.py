@@ -24,6 +24,7 @@ PATCH = np.dtype(
         ("sine", np.float64),
         ("half_length", np.float64),  # radius of a disc
         ("half_width", np.float64),
+        ("reach", np.float64),  # from the centre to the farthest corner
         ("material", MATERIAL),
     ]
 )
@@ -139,9 +140,9 @@ def _material_row(material: Material) -> tuple[float, float, float]:
 def _patch_row(patch: RectangularPatch | RoundPatch) -> tuple[object, ...]:
     material = _material_row(patch.material)
     if isinstance(patch, RoundPatch):
-        return (True, *patch.centre, 1.0, 0.0, patch.radius, patch.radius, material)
-    cosine, sine = math.cos(patch.angle), math.sin(patch.angle)
-    return (False, *patch.centre, cosine, sine, 0.5 * patch.length, 0.5 * patch.width, material)
+        return (True, *patch.centre, 1.0, 0.0, patch.radius, patch.radius, patch.radius, material)
+    cosine, sine, reach = math.cos(patch.angle), math.sin(patch.angle), 0.5 * math.hypot(patch.length, patch.width)
+    return (False, *patch.centre, cosine, sine, 0.5 * patch.length, 0.5 * patch.width, reach, material)
 
 
 def _positive(owner: str, **sizes: float) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from holonom.devices.kernels import armature_step, gear_torque
+from holonom.devices.kernels import armature_step
 
 __all__ = ["BLOCKED", "DEAD", "GRAVITY", "RUNS", "find_material", "plant_step", "slip_friction"]
 
@@ -127,18 +127,12 @@ def _motor(wheel: Any, own: Any, h: float) -> tuple[float, float]:
     current, electric = 0.0, 0.0
     if own.motor != DEAD:
         current = armature_step(wheel.armature, own.current, own.voltage, speed)
-        electric = wheel.torque_constant * _current_slope(wheel.armature)
+        electric = wheel.torque_constant * wheel.current_slope
     own.current = current
     friction, slope = _friction(wheel.friction, speed)
     motor = wheel.torque_constant * current - friction
-    efficiency = wheel.gear.efficiency if motor * speed >= 0.0 else 1.0 / wheel.gear.efficiency
-    return gear_torque(wheel.gear, motor, speed), ratio * ratio * efficiency * (electric + slope)
-
-
-@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
-def _current_slope(armature: Any) -> float:
-    """How much current (A s/rad) back-emf takes in a step as the motor turns faster."""
-    return armature.conductance * (1.0 - armature.decay) * armature.back_emf
+    gain = wheel.gain if motor * speed >= 0.0 else wheel.gain_back  # as `devices.gear_torque`
+    return gain * motor, ratio * gain * (electric + slope)
 
 
 @njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
@@ -247,7 +241,7 @@ def _book(state: Any, wheels: Records, states: Records, h: float, vx: float, vy:
         turn, before, along, across, current = own.turn, own.speed, own.along, own.across, own.current
         ratio, speed = wheel.gear.ratio, before + 0.5 * turn
         if own.motor != DEAD:
-            current -= _current_slope(wheel.armature) * ratio * turn
+            current -= wheel.current_slope * ratio * turn
             supplied += current * min(max(own.voltage, -wheel.armature.max_voltage), wheel.armature.max_voltage)
             heat += current * current / wheel.armature.conductance
         rim, rim_across = wheel.along_radius * speed, wheel.across_radius * speed

@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.control.base_kernels import JAMMED, WORKS
 from holonom.mobile.drive.slip import SlipStatus
 from holonom.signals import Event
-from holonom.sim.base.records import BODY_GROUPS
+from holonom.sim.base.records import BODY_GROUPS, FLAGGED, HELD, LOST, STATUS
 
 __all__ = ["BaseLog", "log_of"]
 
@@ -121,6 +120,7 @@ def log_of(
     time: Array,
     body: NDArray[np.void],
     wheels: NDArray[np.void],
+    said: NDArray[np.int64],
     names: Sequence[str],
     told: Sequence[Event] = (),
     *,
@@ -128,13 +128,13 @@ def log_of(
     driven: float = 1.0,
 ) -> BaseLog:
     """Arrays and events from the records of the compiled loop; `told` are events that the caller knows of."""
-    named = (body["flagged"][:, None] >> np.arange(wheels.shape[1])) & 1 == 1
+    status = np.ascontiguousarray(said[:, STATUS])
+    named, dead, jammed = (_members(said[:, column], len(names)) for column in (FLAGGED, LOST, HELD))
     events = [
         *told,
-        *_slip_events(time, body["status"], named, names),
-        *_lost_events(time, wheels["lost"], body["rate"], names),
+        *_slip_events(time, status, said[:, FLAGGED], named, names),
+        *_lost_events(time, dead, jammed, body["rate"], names),
     ]
-
     columns = body.view(np.float64).reshape(len(body), -1)
     groups, first = {}, 0
     for name, fields in BODY_GROUPS.items():
@@ -162,10 +162,10 @@ def log_of(
         friction_limits=wheels["friction_limit"],
         slip=wheels["slip"],
         residuals=wheels["residual"],
-        status=body["status"],
+        status=status,
         named=named,
-        dead=wheels["lost"] != WORKS,
-        jammed=wheels["lost"] == JAMMED,
+        dead=dead,
+        jammed=jammed,
         gyro=body["gyro"],
         acceleration=groups["acceleration"],
         energy=groups["energy"],
@@ -175,10 +175,20 @@ def log_of(
     )
 
 
-def _slip_events(time: Array, status: NDArray[np.int64], named: NDArray[np.bool_], names: Sequence[str]) -> list[Event]:
+def _members(sets: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
+    """(N, count) whether each wheel is in each set."""
+    if not sets.any():
+        return np.zeros((len(sets), count), np.bool_)
+    members: NDArray[np.bool_] = (sets[:, None] >> np.arange(count)) & 1 == 1
+    return members
+
+
+def _slip_events(
+    time: Array, status: NDArray[np.int64], flagged: NDArray[np.int64], named: NDArray[np.bool_], names: Sequence[str]
+) -> list[Event]:
     """An event wherever the detector says something new; silence of less than `PAUSE` ends nothing."""
     slips = (status == SlipStatus.SLIP) | (status == SlipStatus.AMBIGUOUS)
-    changed = np.flatnonzero((np.diff(status, prepend=0) != 0) | np.diff(named, axis=0, prepend=False).any(axis=1))
+    changed = np.flatnonzero((np.diff(status, prepend=0) != 0) | (np.diff(flagged, prepend=0) != 0))
     events: list[Event] = []
     said = ""
     for k in changed:
@@ -199,17 +209,19 @@ def _slip_text(named: list[str]) -> str:
     return f"{' and '.join(named)} {'slips' if len(named) == 1 else 'slip'}"
 
 
-def _lost_events(time: Array, lost: NDArray[np.int64], rate: Array, names: Sequence[str]) -> list[Event]:
+def _lost_events(
+    time: Array, dead: NDArray[np.bool_], jammed: NDArray[np.bool_], rate: Array, names: Sequence[str]
+) -> list[Event]:
     """When each motor was found lost, and how the base goes on."""
     events = []
-    for name, codes in zip(names, lost.T, strict=True):
-        if (codes != WORKS).any():
-            text = f"the motor of {name} does not do as told; {_go_on(int(codes[-1]), float(rate[-1]))}"
-            events.append(Event(float(time[int((codes != WORKS).argmax())]), "error", "motor watch", text))
+    for name, lost, held in zip(names, dead.T, jammed.T, strict=True):
+        if len(lost) and lost[-1]:
+            text = f"the motor of {name} does not do as told; {_go_on(bool(held[-1]), float(rate[-1]))}"
+            events.append(Event(float(time[int(lost.argmax())]), "error", "motor watch", text))
     return events
 
 
-def _go_on(lost: int, rate: float) -> str:
-    if lost == JAMMED:
+def _go_on(jammed: bool, rate: float) -> str:
+    if jammed:
         return "it is jammed, the base stops"
     return "driving on without it" + (f", at {100.0 * rate:.0f} % of the speed" if 0.0 < rate < 0.999 else "")

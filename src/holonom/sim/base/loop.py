@@ -47,6 +47,7 @@ from holonom.devices.kernels import (
 )
 from holonom.mobile.drive.slip_kernels import NO_SLIP, SlipParams, SlipState, slip_start, slip_step
 from holonom.sim.base.kernels import BLOCKED, RUNS, find_material, plant_step
+from holonom.sim.base.records import FLAGGED, HELD, LOST, STATUS
 
 __all__ = ["CUT_OFF", "DONE", "STOPPED", "LoopParams", "SensorParams", "drive_open", "run_loop"]
 
@@ -108,6 +109,7 @@ def run_loop(
     rng: np.random.Generator,
     body_log: Records,
     wheel_log: Records,
+    said: NDArray[np.int64],
 ) -> tuple[int, int, float]:
     """Follow a reference (N, 9) from the present state and log each millisecond (docstring of `simulate_base`).
 
@@ -119,9 +121,10 @@ def run_loop(
     rows, keeping = params.rows, params.keeping
     slip = slip_start()
     trust, weights, rims, gripping = np.ones(m), np.ones(m), np.zeros(m), np.zeros(m)
+    still, calm, ice = np.zeros(m), False, True
     acceleration, share = np.full(3, np.nan), np.zeros((m, 3))
     allocation(rows, weights, share)
-    fault, named, dead, stood = 0, 0, 0, 0
+    fault, named, dead, jams, stood = 0, 0, 0, 0, 0
     phase, rate, goal, now = 0.0, 1.0, 1.0, np.zeros(9)
     for k in range(len(body_log)):
         if phase > len(reference) - 1:
@@ -140,19 +143,19 @@ def run_loop(
         _residuals(params.residual, rims, wheel_log[k])
         for i in range(m):
             gripping[i] = rims[i] - _creep(params.creep, params.push[i] * states[i].measured_current)
-        statistic = _square(params.residual, gripping)
-        if params.detect and slip.level == 0 and slip.held_slack == 0.0 and statistic <= params.quiet:
-            slip = _no_slip(params.inverse, gripping)
-            base.status, base.flagged = NO_SLIP, 0
-        elif params.detect:
+        if params.detect and not (calm and _square(params.residual, gripping) <= params.quiet):
+            if calm:
+                slip = _no_slip(params.inverse, still)
             slip, found = slip_step(params.slip, slip, gripping, gyro - base.gyro_bias, acceleration)
             base.status, base.flagged = found.status, found.named
+            calm = params.quiet >= 0.0 and slip.level == 0 and slip.held_slack == 0.0
+        still[:] = gripping
         lost = _watch_motors(params.watch, wheels, states, base) if params.compensate else 0
         if lost != dead or base.flagged != named:
             new, named, dead = lost != dead, base.flagged, lost
-            jammed = _set_weights(params.control_traction, states, named, trust, weights)
+            jams = _set_weights(params.control_traction, states, named, trust, weights)
             allocation(rows, weights, share)
-            if new and jammed:
+            if new and jams != 0:
                 goal = 0.0
             elif new:
                 rest = feasible_rate(
@@ -165,6 +168,7 @@ def run_loop(
         _log_body(base, gyro, imu_x, imu_y, body_log[k])
         _log_reference(now, rate, body_log[k])
         _log_wheels(wheels, states, wheel_log[k])
+        said[k, STATUS], said[k, FLAGGED], said[k, LOST], said[k, HELD] = base.status, base.flagged, lost, jams
         command, ahead = _keep_path(keeping, base, now)
         wanted = wanted_acceleration(keeping, command, twist, ahead)
         if rate <= 0.0:  # the base had to stop: hold the wheels
@@ -179,7 +183,7 @@ def run_loop(
                 push = _control_traction(params.traction, wheel, own, ground_speed(rows, i, twist), push)
             _drive(wheel, own, push, ground_speed(rows, i, wanted))
             wheel_log[k, i].reference_speed = states[i].rim_reference / wheels[i].radius
-        _floor(floor, patches, base, wheels, states)
+        ice = _floor(floor, patches, base, wheels, states, ice)
         for _ in range(b.substeps):
             plant_step(b, base, wheels, states, support)
         phase += rate
@@ -202,10 +206,11 @@ def drive_open(
     wheel_log: Records,
 ) -> None:
     """Drive the motors with voltages (N, m), one row each millisecond, without any controller."""
+    ice = True
     for k in range(len(voltages)):
         base = state[0]
         _log_body(base, base.w, base.ax, base.ay, body_log[k])
-        _floor(floor, patches, base, wheels, states)
+        ice = _floor(floor, patches, base, wheels, states, ice)
         for i in range(len(wheels)):
             states[i].voltage = voltages[k, i]
             _log_wheel(wheels[i], states[i], wheel_log[k, i])
@@ -223,14 +228,22 @@ def _break_motor(own: Any, kind: int) -> None:
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _floor(floor: Records, patches: Records, base: Any, wheels: Records, states: Records) -> None:
-    """Look up the material under each wheel."""
+def _floor(floor: Records, patches: Records, base: Any, wheels: Records, states: Records, near: bool) -> bool:
+    """Look up the material under each wheel, if a patch is near or was (`near`); whether one is."""
     c, s = math.cos(base.theta), math.sin(base.theta)
     base.cosine, base.sine = c, s
+    was, near = near, False
+    for k in range(len(patches)):
+        patch = patches[k]
+        reach = patch.reach + wheels[0].reach
+        near = near or (abs(base.x - patch.x) <= reach and abs(base.y - patch.y) <= reach)
+    if not (near or was):
+        return False
     for i in range(len(wheels)):
         wheel = wheels[i]
         x, y = base.x + c * wheel.x - s * wheel.y, base.y + s * wheel.x + c * wheel.y
         find_material(floor, patches, x, y, states[i])
+    return near
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -273,15 +286,15 @@ def _watch_motors(params: WatchParams, wheels: Records, states: Records, base: A
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _set_weights(traction: bool, states: Records, named: int, trust: Floats, weights: Floats) -> bool:
-    """Which wheels are believed (one without current turns freely) and asked for force; whether one is jammed."""
-    stuck = False
+def _set_weights(traction: bool, states: Records, named: int, trust: Floats, weights: Floats) -> int:
+    """Which wheels are believed (one without current turns freely) and asked for force; set of those that jam."""
+    jams = 0
     for i in range(len(states)):
         slips, jammed = (named >> i) & 1 == 1, states[i].lost == JAMMED
-        stuck = stuck or jammed
+        jams |= (1 << i) if jammed else 0
         trust[i] = 0.0 if slips or jammed else 1.0
         weights[i] = 0.0 if states[i].lost != WORKS else SLIPPING_WEIGHT if slips and traction else 1.0
-    return stuck
+    return jams
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -410,7 +423,6 @@ def _log_body(base: Any, gyro: float, imu_x: float, imu_y: float, row: Any) -> N
         base.drag,
         base.ground,
     )
-    row.status, row.flagged = base.status, base.flagged
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -420,4 +432,3 @@ def _log_wheel(wheel: Any, own: Any, row: Any) -> None:
     row.current, row.measured_current, row.voltage = own.current, own.measured_current, own.voltage
     row.force, row.cross_force, row.load, row.slip = own.along, own.across, own.load, own.slip
     row.friction_limit = own.load * own.material.peak
-    row.lost = own.lost

@@ -18,7 +18,7 @@ from holonom.sim.base.floor import Floor, floor_table
 from holonom.sim.base.kernels import BLOCKED, DEAD, GRAVITY
 from holonom.sim.base.log import BaseLog, log_of
 from holonom.sim.base.loop import drive_open
-from holonom.sim.base.records import BODY, BODY_SAMPLE, BODY_STATE, WHEEL, WHEEL_SAMPLE, WHEEL_STATE
+from holonom.sim.base.records import BODY, BODY_SAMPLE, BODY_STATE, WHEEL, WHEEL_SAMPLE, WHEEL_STATE, aligned_records
 
 __all__ = ["FAULTS", "TICK", "BaseDrive", "BasePlant"]
 
@@ -105,11 +105,13 @@ class BasePlant:
         self.loop = _wheel_loop(base, drive, self.rows, self.mass, self.inertia)
         """Tuned speed loop of the wheels, with its margins."""
         dt = TICK / substeps
-        self.body = np.array([(self.mass, self.inertia, base.com_height, dt, substeps)], dtype=BODY)
-        self.wheels = np.array([_wheel_row(w, drive, self.loop, dt) for w in self.driven], dtype=WHEEL)
+        self.body = aligned_records([(self.mass, self.inertia, base.com_height, dt, substeps)], BODY)
+        reach = max(math.hypot(wheel.x, wheel.y) for wheel in self.driven)
+        self.wheels = aligned_records([_wheel_row(w, drive, self.loop, dt, reach) for w in self.driven], WHEEL)
         self.support = _support(base, self.driven)
         self.floor, self.patches = floor_table(floor)
-        self.state, self.states = np.zeros(1, BODY_STATE), np.zeros(len(self.driven), WHEEL_STATE)
+        self.state = aligned_records(np.zeros(1, BODY_STATE), BODY_STATE)
+        self.states = aligned_records(np.zeros(len(self.driven), WHEEL_STATE), WHEEL_STATE)
         self.states["cut"] = self.states["weight"] = 1.0
         self.ticks = 0
         self.place((0.0, 0.0, 0.0))
@@ -154,7 +156,7 @@ class BasePlant:
         )  # fmt: skip
         time = self.time + TICK * np.arange(len(u), dtype=np.float64)
         self.ticks += len(u)
-        return log_of(time, body_log, wheel_log, self.base.driven)
+        return log_of(time, body_log, wheel_log, np.zeros((len(u), 4), np.int64), self.base.driven)
 
     def kinetic_energy(self) -> float:
         """Kinetic energy (J) of body, wheels and rotors."""
@@ -238,8 +240,11 @@ def _wheel_loop(base: WheelBase, drive: BaseDrive, rows: Array, mass: float, ine
     return tune_wheel(axis, at_motor * drive.inertia, dt=TICK)
 
 
-def _wheel_row(wheel: Wheel, drive: BaseDrive, loop: WheelLoop, dt: float) -> tuple[object, ...]:
+def _wheel_row(wheel: Wheel, drive: BaseDrive, loop: WheelLoop, dt: float, reach: float) -> tuple[object, ...]:
     gamma = wheel.roller_angle
+    ratio, efficiency = drive.gear.ratio, drive.gear.efficiency
+    armature = drive.motor.armature(dt)
+    slope = armature.conductance * (1.0 - armature.decay) * armature.back_emf
     turned = wheel.axle + gamma
     along, across = (math.sin(turned), -math.cos(turned)), (math.cos(turned), math.sin(turned))
     return (
@@ -247,8 +252,9 @@ def _wheel_row(wheel: Wheel, drive: BaseDrive, loop: WheelLoop, dt: float) -> tu
         *along, wheel.x * along[1] - wheel.y * along[0],
         *across, wheel.x * across[1] - wheel.y * across[0],
         wheel.radius * math.cos(gamma), -wheel.radius * math.sin(gamma),
-        wheel.radius, wheel.kind == "swedish", drive.roller_drag, drive.inertia, drive.motor.torque_constant,
-        tuple(drive.motor.armature(dt)), tuple(drive.friction.params(COULOMB_SMOOTHING)), tuple(drive.gear.params()),
+        wheel.radius, reach, ratio * efficiency, ratio / efficiency, slope,
+        wheel.kind == "swedish", drive.roller_drag, drive.inertia, drive.motor.torque_constant,
+        tuple(armature), tuple(drive.friction.params(COULOMB_SMOOTHING)), tuple(drive.gear.params()),
         tuple(drive.encoder.params()), tuple(tracking_params(loop.observer_bandwidth, TICK)), tuple(loop.speed),
     )  # fmt: skip
 

@@ -214,7 +214,7 @@ def simulate_base(
     n, m = math.ceil(len(reference) / SLOWEST), len(plant.driven)
     plant.place(reference[0, :3], reference[0, 3:6])
     table = sorted((round(f.time / TICK), plant.wheel_index(f.wheel), FAULTS[f.kind]) for f in faults)
-    body_log, wheel_log = np.zeros(n, BODY_SAMPLE), np.zeros((n, m), WHEEL_SAMPLE)
+    body_log, wheel_log, said = np.zeros(n, BODY_SAMPLE), np.zeros((n, m), WHEEL_SAMPLE), np.zeros((n, 4), np.int64)
     done, ending, phase = run_loop(
         _loop_params(plant, settings, floor),
         settings.sensors.params(),
@@ -230,11 +230,12 @@ def simulate_base(
         rng,
         body_log,
         wheel_log,
+        said,
     )
     time, ended, driven = TICK * np.arange(done, dtype=np.float64), ENDINGS[ending], _driven(path, phase)
     events = [Event(f.time, "warning", "plant", _fault_text(f, plant)) for f in faults]
     events += _ending_events(ended, driven, TICK * (done - 1))
-    return log_of(time, body_log[:done], wheel_log[:done], base.driven, events, ended=ended, driven=driven)
+    return log_of(time, body_log[:done], wheel_log[:done], said[:done], base.driven, events, ended=ended, driven=driven)
 
 
 def _loop_params(plant: BasePlant, settings: BaseSettings, floor: Floor) -> LoopParams:
@@ -279,11 +280,13 @@ def _quiet(slip: SlipSettings, params: SlipParams) -> float:
 
 def _driven(path: ReferencePath, phase: float) -> float:
     """Part of a path's length (of its turn, on the spot; else of its time) before a phase in samples."""
+    if phase >= len(path.pose) - 1:
+        return 1.0
     steps = np.abs(np.diff(path.pose, axis=0))
     for length in (np.hypot(steps[:, 0], steps[:, 1]), steps[:, 2], np.ones(len(steps))):
         if (total := float(length.sum())) > 0.0:
             gone = np.concatenate([[0.0], np.cumsum(length)])
-            return 1.0 if phase >= len(steps) else float(np.interp(phase, np.arange(len(gone)), gone)) / total
+            return float(np.interp(phase, np.arange(len(gone)), gone)) / total
     return 1.0
 
 
