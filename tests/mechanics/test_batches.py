@@ -45,7 +45,7 @@ def bytes_of(result):
     return sum(a.nbytes for a in (result if isinstance(result, tuple) else (result,)) if isinstance(a, np.ndarray))
 
 
-@pytest.mark.parametrize("name", [*(set(VERBS) - {"solve_inverse", "regressor"}), *WITHOUT_THREADS])
+@pytest.mark.parametrize("name", [*sorted(set(VERBS) - {"solve_inverse", "regressor"}), *WITHOUT_THREADS])
 def test_memory_of_a_batch_is_its_result_and_a_constant(name):
     verb = (VERBS | WITHOUT_THREADS)[name]
     q = np.random.default_rng(0).uniform(ARM.limits.lower, ARM.limits.upper, (ROWS, ARM.n))

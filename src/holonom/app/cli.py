@@ -177,7 +177,7 @@ def _add_calibrate_odometry(subjects: Commands[argparse.ArgumentParser]) -> None
     odometry.add_argument("--method", choices=("umbmark", "least-squares"), default="least-squares")
     sets = ("physical", "extended")
     odometry.add_argument("--parameters", choices=sets, help="of least squares; extended where the motion tells them")
-    odometry.add_argument("--form", choices=("x", "y", "mean"), default="x", help="of UMBmark, x unless given")
+    odometry.add_argument("--form", choices=("x", "y", "mean"), help="of UMBmark, x unless given")
     rules = ("turn_then_drive", "midpoint", "exact")
     odometry.add_argument("--rule", choices=rules, default="midpoint", help="of integration, midpoint unless given")
     odometry.add_argument("--held-out", action="store_true", help="also errors of each run by the others' calibration")
