@@ -124,10 +124,14 @@ def log_of(
     names: Sequence[str],
     told: Sequence[Event] = (),
     *,
+    residual: Array | None = None,
     ended: str = "done",
     driven: float = 1.0,
 ) -> BaseLog:
-    """Arrays and events from the records of the compiled loop; `told` are events that the caller knows of."""
+    """Arrays and events from the records of the compiled loop.
+
+    `told` are events that the caller knows of; `residual` (m, m) is `1 - D D^+` times the wheels' radii (zero without).
+    """
     status = np.ascontiguousarray(said[:, STATUS])
     named, dead, jammed = (_members(said[:, column], len(names)) for column in (FLAGGED, LOST, HELD))
     events = [
@@ -161,7 +165,7 @@ def log_of(
         loads=wheels["load"],
         friction_limits=wheels["friction_limit"],
         slip=wheels["slip"],
-        residuals=wheels["residual"],
+        residuals=wheels["measured_speed"] @ (np.zeros((len(names),) * 2) if residual is None else residual.T),
         status=status,
         named=named,
         dead=dead,

@@ -47,6 +47,7 @@ from holonom.devices.kernels import (
 )
 from holonom.mobile.drive.slip_kernels import NO_SLIP, SlipParams, SlipState, slip_start, slip_step
 from holonom.sim.base.kernels import BLOCKED, RUNS, find_material, plant_step
+from holonom.sim.base.log_kernels import log_body, log_reference, log_wheel, log_wheels
 from holonom.sim.base.records import FLAGGED, HELD, LOST, STATUS
 
 __all__ = ["CUT_OFF", "DONE", "STOPPED", "LoopParams", "SensorParams", "drive_open", "run_loop"]
@@ -139,10 +140,8 @@ def run_loop(
         imu_y = base.ay + sensors.accelerometer_bias + sensors.accelerometer_noise * rng.standard_normal()
         for i in range(m):
             rims[i] = _sense(wheels[i], states[i], sensors.current_noise * rng.standard_normal())
-        acceleration[0], acceleration[1] = imu_x, imu_y
-        _residuals(params.residual, rims, wheel_log[k])
-        for i in range(m):
             gripping[i] = rims[i] - _creep(params.creep, params.push[i] * states[i].measured_current)
+        acceleration[0], acceleration[1] = imu_x, imu_y
         if params.detect and not (calm and _square(params.residual, gripping) <= params.quiet):
             if calm:
                 slip = _no_slip(params.inverse, still)
@@ -150,7 +149,7 @@ def run_loop(
             base.status, base.flagged = found.status, found.named
             calm = params.quiet >= 0.0 and slip.level == 0 and slip.held_slack == 0.0
         still[:] = gripping
-        lost = _watch_motors(params.watch, wheels, states, base) if params.compensate else 0
+        lost = _watch_motors(params.watch, wheels, states, base, jams != 0) if params.compensate else 0
         if lost != dead or base.flagged != named:
             new, named, dead = lost != dead, base.flagged, lost
             jams = _set_weights(params.control_traction, states, named, trust, weights)
@@ -165,9 +164,9 @@ def run_loop(
         change = max(min((goal - rate) / keeping.dt, params.rate_change), -params.rate_change)
         reference_at(reference, phase, rate, change, now)
         twist = _estimate(params.estimate, rows, base, trust, rims, gyro, imu_x, imu_y)
-        _log_body(base, gyro, imu_x, imu_y, body_log[k])
-        _log_reference(now, rate, body_log[k])
-        _log_wheels(wheels, states, wheel_log[k])
+        log_body(base, gyro, imu_x, imu_y, body_log[k])
+        log_reference(now, rate, body_log[k])
+        log_wheels(wheels, states, wheel_log[k])
         said[k, STATUS], said[k, FLAGGED], said[k, LOST], said[k, HELD] = base.status, base.flagged, lost, jams
         command, ahead = _keep_path(keeping, base, now)
         wanted = wanted_acceleration(keeping, command, twist, ahead)
@@ -209,11 +208,11 @@ def drive_open(
     ice = True
     for k in range(len(voltages)):
         base = state[0]
-        _log_body(base, base.w, base.ax, base.ay, body_log[k])
+        log_body(base, base.w, base.ax, base.ay, body_log[k])
         ice = _floor(floor, patches, base, wheels, states, ice)
         for i in range(len(wheels)):
             states[i].voltage = voltages[k, i]
-            _log_wheel(wheels[i], states[i], wheel_log[k, i])
+            log_wheel(wheels[i], states[i], wheel_log[k, i])
         for _ in range(body[0].substeps):
             plant_step(body[0], base, wheels, states, support)
 
@@ -260,14 +259,12 @@ def _sense(wheel: Any, own: Any, current_noise: float) -> float:
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _watch_motors(params: WatchParams, wheels: Records, states: Records, base: Any) -> int:
+def _watch_motors(params: WatchParams, wheels: Records, states: Records, base: Any, held: bool) -> int:
     """Set (bit i: wheel i) of the motors that do not do as they are told; once lost they stay so.
 
-    A jammed wheel holds the base, so that others may stand, too: they are not suspected of a jam any more.
+    A jammed wheel holds the base (`held`), so that others may stand, too: they are not suspected of a jam any more.
     """
-    lost, held = 0, False
-    for i in range(len(wheels)):
-        held = held or states[i].lost == JAMMED
+    lost = 0
     for i in range(len(wheels)):
         wheel, own = wheels[i], states[i]
         if own.lost == WORKS:
@@ -354,16 +351,6 @@ def _drive(wheel: Any, own: Any, force: float, acceleration: float) -> None:
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def _residuals(residual: Floats, rims: Floats, rows: Records) -> None:
-    """Log what no twist explains of the rim speeds, m/s."""
-    for i in range(len(rims)):
-        left = 0.0
-        for j in range(len(rims)):
-            left += residual[i, j] * rims[j]
-        rows[i].residual = left
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
 def _square(residual: Floats, rims: Floats) -> float:
     """Square sum, (m/s)^2, of what no twist explains of rim speeds."""
     total = 0.0
@@ -394,41 +381,3 @@ def _no_slip(inverse: Floats, rims: Floats) -> SlipState:
         vy += inverse[1, i] * rims[i]
         rw += inverse[2, i] * rims[i]
     return SlipState(vx, vy, rw, 0.0, 0.0, vx, vy, rw, 0.0, 0.0, 0, False, 0, 0, 0, 0, 0, False)
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def _log_wheels(wheels: Records, states: Records, rows: Records) -> None:
-    for i in range(len(wheels)):
-        _log_wheel(wheels[i], states[i], rows[i])
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def _log_reference(now: Floats, rate: float, row: Any) -> None:
-    row.ref_x, row.ref_y, row.ref_theta = now[0], now[1], now[2]
-    row.ref_vx, row.ref_vy, row.ref_w = now[3], now[4], now[5]
-    row.rate = rate
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def _log_body(base: Any, gyro: float, imu_x: float, imu_y: float, row: Any) -> None:
-    row.x, row.y, row.theta = base.x, base.y, base.theta
-    row.vx, row.vy, row.w = base.vx, base.vy, base.w
-    row.seen_x, row.seen_y, row.seen_theta = base.seen_x, base.seen_y, base.seen_theta
-    row.seen_vx, row.seen_vy, row.seen_w = base.seen_vx, base.seen_vy, base.seen_w
-    row.gyro, row.imu_x, row.imu_y = gyro, imu_x, imu_y
-    row.supplied, row.heat, row.airgap, row.drag, row.ground = (
-        base.supplied,
-        base.heat,
-        base.airgap,
-        base.drag,
-        base.ground,
-    )
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def _log_wheel(wheel: Any, own: Any, row: Any) -> None:
-    row.speed = own.speed
-    row.measured_speed = own.seen_speed / wheel.gear.ratio
-    row.current, row.measured_current, row.voltage = own.current, own.measured_current, own.voltage
-    row.force, row.cross_force, row.load, row.slip = own.along, own.across, own.load, own.slip
-    row.friction_limit = own.load * own.material.peak

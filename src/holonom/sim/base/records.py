@@ -169,7 +169,6 @@ WHEEL_SAMPLE = np.dtype(
             "cross_force",
             "load",
             "slip",
-            "residual",
             "friction_limit",
         )
     ]

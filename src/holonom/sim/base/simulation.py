@@ -215,8 +215,9 @@ def simulate_base(
     plant.place(reference[0, :3], reference[0, 3:6])
     table = sorted((round(f.time / TICK), plant.wheel_index(f.wheel), FAULTS[f.kind]) for f in faults)
     body_log, wheel_log, said = np.zeros(n, BODY_SAMPLE), np.zeros((n, m), WHEEL_SAMPLE), np.zeros((n, 4), np.int64)
+    params = _loop_params(plant, settings, floor)
     done, ending, phase = run_loop(
-        _loop_params(plant, settings, floor),
+        params,
         settings.sensors.params(),
         plant.body,
         plant.state,
@@ -235,7 +236,8 @@ def simulate_base(
     time, ended, driven = TICK * np.arange(done, dtype=np.float64), ENDINGS[ending], _driven(path, phase)
     events = [Event(f.time, "warning", "plant", _fault_text(f, plant)) for f in faults]
     events += _ending_events(ended, driven, TICK * (done - 1))
-    return log_of(time, body_log[:done], wheel_log[:done], said[:done], base.driven, events, ended=ended, driven=driven)
+    logs, residual = (body_log[:done], wheel_log[:done], said[:done]), params.residual * plant.wheels["radius"]
+    return log_of(time, *logs, base.driven, events, residual=residual, ended=ended, driven=driven)
 
 
 def _loop_params(plant: BasePlant, settings: BaseSettings, floor: Floor) -> LoopParams:
