@@ -15,7 +15,7 @@ from holonom.mobile.drive.slip import SlipStatus, detect_slip
 from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch
 from holonom.sim.base.log import BaseLog
 from holonom.sim.base.paths import PathLimits, ReferencePath, figure_of_eight, plan_path
-from holonom.sim.base.simulation import BaseFault, BaseSensors, BaseSettings, simulate_base, slip_settings
+from holonom.sim.base.simulation import BaseFault, BaseSensors, BaseSettings, Creep, simulate_base, slip_settings
 
 BASE = soccer()
 EIGHT = plan_path(figure_of_eight(3.0), PathLimits(1.4, 2.0))
@@ -108,7 +108,6 @@ def test_a_name_is_a_wheel_that_slips(narrow: bool) -> None:
     assert wrong <= 1
     assert named >= 15
     assert found >= 0.6 * alone
-    assert not (slip[log.status != SlipStatus.NO_SLIP] < 0.01).all()
 
 
 def _ice_on_the_way(rng: np.random.Generator, path: ReferencePath, narrow: bool) -> Floor:
@@ -143,6 +142,28 @@ def test_a_dead_motor_is_not_slip() -> None:
         log = run(eight, faults=[BaseFault(3.0, wheel)])
         quiet = ~_lately((np.abs(log.slip) > 0.5 * SLIPS).any(axis=1, keepdims=True), 100)[:, 0]
         assert (log.status[quiet] == SlipStatus.NO_SLIP).all()
+
+
+@pytest.mark.parametrize(
+    "sensors",
+    [
+        BaseSensors(gyro_noise=np.radians(3.0)),
+        BaseSensors(gyro_bias=np.radians(0.5)),
+        BaseSensors(gyro_bias=-np.radians(0.3), gyro_noise=np.radians(1.0), accelerometer_noise=0.5),
+        BaseSensors(accelerometer_noise=1.0, accelerometer_bias=0.1),
+    ],
+)
+def test_slip_detection_knows_its_sensors(sensors: BaseSensors) -> None:
+    """Worse sensors raise no slip where there is none, and name no wheel that does not slip."""
+    settings = slip_settings(sensors, DRIVE)
+    assert settings.rate_noise >= sensors.gyro_noise
+    assert settings.rate_bias >= abs(sensors.gyro_bias)
+    assert settings.acceleration_error >= abs(sensors.accelerometer_bias)
+    assert (run(settings=BaseSettings(sensors=sensors)).status == SlipStatus.NO_SLIP).all()
+    for wheel, at in ((0, 1900), (1, 1300), (2, 1400), (3, 1250)):
+        log = run(floor=ice_under(wheel, at), settings=BaseSettings(sensors=sensors))
+        assert not (log.named & ~_lately(np.abs(log.slip) > 0.5 * SLIPS, 100)).any()
+        assert (log.status != SlipStatus.NO_SLIP).any()
 
 
 def test_the_log_says_what_the_batch_detector_says() -> None:
@@ -291,5 +312,7 @@ def test_bad_input() -> None:
         BaseFault(1.0, 0, "melted")
     with pytest.raises(OutOfLimits, match="time"):
         BaseFault(-1.0, 0)
+    with pytest.raises(OutOfLimits, match="Creep"):
+        Creep(-1.0, 0.8)
     with pytest.raises(OutOfLimits, match="friction"):
         BaseSettings(friction=0.0)

@@ -129,9 +129,16 @@ def slip_step(
     Four wheels cannot tell two that slip from one, and the residual has one sign. If that changes, or a name is
     contradicted, more than one wheel slips: nothing is named until the slip is over.
     """
+    vx, vy, rw, statistic = _fit(params, 0, speeds)
+    if (
+        params.redundancy > 0
+        and state.level == 0
+        and state.held_slack == 0.0
+        and statistic <= params.hypotheses[0, BOUND]
+    ):
+        return _trust(state, vx, vy, rw), SlipSample(NO_SLIP, 0, 0, vx, vy, rw, statistic)
     last = _carry(params, state, rate, acceleration)
     known = math.isfinite(rate) or math.isfinite(last.slack)
-    vx, vy, rw, statistic = _fit(params, 0, speeds)
     above = params.redundancy > 0 and not statistic <= params.hypotheses[0, BOUND]
     if not above and (params.redundancy == 0 or state.held_slack > 0.0):
         above = not _distance(params, 0, last, vx, vy, rw, rate) <= 1.0
