@@ -21,7 +21,7 @@ from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatc
 from holonom.sim.base.log import BaseLog
 from holonom.sim.base.paths import PATHS, PathLimits, ReferencePath, plan_path, waypoints
 from holonom.sim.base.plant import BaseDrive, BasePlant
-from holonom.sim.base.simulation import BaseFault, BaseSensors, BaseSettings, simulate_base
+from holonom.sim.base.simulation import BaseFault, BaseSensors, BaseSettings, Creep, simulate_base, slip_settings
 
 __all__ = [
     "CARPET",
@@ -36,6 +36,7 @@ __all__ = [
     "BaseSensors",
     "BaseSettings",
     "ControlSettings",
+    "Creep",
     "Disc",
     "DryMachine",
     "Floor",
@@ -55,5 +56,6 @@ __all__ = [
     "branch_joints",
     "plan_path",
     "simulate_base",
+    "slip_settings",
     "waypoints",
 ]
