@@ -64,11 +64,11 @@ def note_spells(table: Table, run: Run, M: Array, wheels: Sequence[str]) -> tupl
     for kind, spells in texts.items():
         worst = max(spells)[1]
         more = f", and {len(spells) - 1} more such" if len(spells) > 1 else ""
-        notes.append(f"{worst}{more}: {_TODO[kind]}")
+        notes.append(f"{worst}{more}: {_ADVICE[kind]}")
     return tuple(notes)
 
 
-_TODO = {
+_ADVICE = {
     "jump": "cut the run there, or repair the truth; the calibration takes it for motion",
     "dropout": "a dropout, or clocks that are apart; cut the run there, or the calibration takes it for geometry",
     "slip": "slip, or ticks that were counted too often; cut it out, or the calibration takes it for geometry",
