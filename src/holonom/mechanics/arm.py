@@ -50,7 +50,6 @@ class _Inverse:
     poses: bool
     exact: bool
     nowhere: bytes
-    names: tuple[str, ...]
 
 
 class Arm:
@@ -194,19 +193,20 @@ class Arm:
         inverse = self._inverse
         target = T if inverse.poses else _points(T)
         try:
-            q, status = inverse.call(target, threads=threads)
+            found: IkResult = inverse.call(target, threads=threads)
         except ShapeError:
             if inverse.poses:
                 check_pose(T, "T")  # names what is wrong with it
             raise
+        q, status, names = found
         if inverse.poses and (status.ndim > 1 or status.tobytes() == inverse.nowhere):
             _check_lost(T, status)
         if inverse.exact:
-            return tuple.__new__(IkResult, (q, status, inverse.names))
+            return found
         bounds, goal = (self.limits.lower, self.limits.upper), np.asarray(target, dtype=float)
         task = "pose" if inverse.poses else "position"
         q, status = inverse_geometry.refined(self.fk, self.jacobian, bounds, task, goal, q, status)
-        return IkResult(q, status, inverse.names)
+        return IkResult(q, status, names)
 
     @functools.cached_property
     def _inverse(self) -> _Inverse:
@@ -217,7 +217,7 @@ class Arm:
                 "ik_nearest(T, q0) finds one solution numerically"
             )
         nowhere = bytes([UNREACHABLE] * len(form.names))
-        return _Inverse(self.calls["inverse_geometry"], form.task == "pose", form.exact, nowhere, form.names)
+        return _Inverse(self.calls["inverse_geometry"], form.task == "pose", form.exact, nowhere)
 
     def ik_nearest(self, T: ArrayLike, q0: ArrayLike, *, weights: ArrayLike | None = None) -> IkNearest:
         """The reachable branch nearest to `q0`, with joints whole turns away where limits allow.

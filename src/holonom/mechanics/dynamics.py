@@ -6,7 +6,7 @@ Inverse and forward dynamics, mass and Coriolis matrix and gravity are methods o
 from __future__ import annotations
 
 import dataclasses
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from holonom.mechanics.arm import Arm
 from holonom.mechanics.equations.inertia import fixed_to_body
 from holonom.mechanics.kernels import bodies_of
+from holonom.mechanics.results import CouplingTable, Energy, ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 from holonom.model import Body
 
 __all__ = [
@@ -35,44 +36,6 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-
-
-class InverseDynamicsDerivatives(NamedTuple):
-    """Each (..., n, n): entry ij is d tau_i / d q_j, d qd_j, d qdd_j; the last one is the mass matrix."""
-
-    dtau_dq: Array
-    dtau_dqd: Array
-    dtau_dqdd: Array
-
-
-class ForwardDynamicsDerivatives(NamedTuple):
-    """Each (..., n, n): entry ij is d qdd_i / d q_j, d qd_j, d tau_j; the last one is the inverse mass matrix."""
-
-    dqdd_dq: Array
-    dqdd_dqd: Array
-    dqdd_dtau: Array
-
-
-class Energy(NamedTuple):
-    """Kinetic and potential energy, (...) J; the potential one is zero with all mass in the world's origin."""
-
-    kinetic: Array
-    potential: Array
-
-
-class CouplingTable(NamedTuple):
-    """The table D_i, D_ij, D_ijk of the equations of motion without friction.
-
-    tau_i = gravity_i + sum_j inertia_ij qdd_j + sum_j centrifugal_ij qd_j^2 + sum_jk coriolis_ijk qd_j qd_k
-
-    gravity : (..., n); inertia : (..., n, n); centrifugal : (..., n, n), c_ijj; coriolis : (..., n, n, n), c_ijk for
-    j != k (symmetric, both orders counted), zero for j = k.
-    """
-
-    gravity: Array
-    inertia: Array
-    centrifugal: Array
-    coriolis: Array
 
 
 def inverse_dynamics_derivatives(
@@ -98,7 +61,8 @@ def inverse_dynamics_derivatives(
     ShapeError, MissingInertia
     """
     call = arm.calls["inverse_dynamics_derivatives", friction]
-    return tuple.__new__(InverseDynamicsDerivatives, call(q, qd, qdd, out=out, threads=threads))
+    result: InverseDynamicsDerivatives = call(q, qd, qdd, out=out, threads=threads)
+    return result
 
 
 def forward_dynamics_derivatives(
@@ -119,7 +83,8 @@ def forward_dynamics_derivatives(
     friction, out : as for `inverse_dynamics_derivatives`.
     """
     call = arm.calls["forward_dynamics_derivatives", friction]
-    return tuple.__new__(ForwardDynamicsDerivatives, call(q, qd, tau, out=out, threads=threads))
+    result: ForwardDynamicsDerivatives = call(q, qd, tau, out=out, threads=threads)
+    return result
 
 
 def christoffel(arm: Arm, q: ArrayLike, *, threads: int = 1) -> Array:
@@ -133,7 +98,8 @@ def christoffel(arm: Arm, q: ArrayLike, *, threads: int = 1) -> Array:
 
 def coupling_table(arm: Arm, q: ArrayLike) -> CouplingTable:
     """Gravity, inertia, centrifugal and Coriolis coefficients in one configuration or many, (..., n)."""
-    return tuple.__new__(CouplingTable, arm.calls["coupling_table"](q))
+    result: CouplingTable = arm.calls["coupling_table"](q)
+    return result
 
 
 def bias(arm: Arm, q: ArrayLike, qd: ArrayLike, *, friction: bool | None = None, threads: int = 1) -> Array:
@@ -144,8 +110,8 @@ def bias(arm: Arm, q: ArrayLike, qd: ArrayLike, *, friction: bool | None = None,
 
 def energy(arm: Arm, q: ArrayLike, qd: ArrayLike, *, threads: int = 1) -> Energy:
     """Kinetic energy (rotors included as `arm.model.rotors` says) and potential energy of the arm."""
-    both = arm.calls["energy"](q, qd, threads=threads)
-    return tuple.__new__(Energy, (both[..., 0], both[..., 1]))
+    result: Energy = arm.calls["energy"](q, qd, threads=threads)
+    return result
 
 
 def momentum(arm: Arm, q: ArrayLike, qd: ArrayLike, *, threads: int = 1) -> Array:

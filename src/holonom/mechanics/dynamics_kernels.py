@@ -13,6 +13,7 @@ from holonom.mechanics.equations.derivatives import Derivatives
 from holonom.mechanics.equations.forward_dynamics import forward_dynamics, solve_ldl
 from holonom.mechanics.equations.inertia import Inertial
 from holonom.mechanics.equations.vectors import Matrix, Vector, matmul, matvec, scale, transpose
+from holonom.mechanics.results import CouplingTable, Energy, ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 from holonom.model import ArmModel
 from holonom.trace import Kernel, Number, Scalar, compile
 from holonom.trace.derivative import jacobian
@@ -43,7 +44,7 @@ def _inverse_derivatives(model: ArmModel, bodies: Sequence[Inertial], options: O
     n = len(model.independent)
     outputs = {"dtau_dq": (n, n), "dtau_dqd": (n, n), "dtau_dqdd": (n, n)}
     name = f"{model.name}_inverse_dynamics_derivatives"
-    return compile(equation, {"q": n, "qd": n, "qdd": n}, outputs, name=name)
+    return compile(equation, {"q": n, "qd": n, "qdd": n}, outputs, name=name, result=InverseDynamicsDerivatives)
 
 
 def _by_graph(
@@ -69,7 +70,7 @@ def _forward_derivatives(model: ArmModel, bodies: Sequence[Inertial], options: O
     n = len(model.independent)
     outputs = {"dqdd_dq": (n, n), "dqdd_dqd": (n, n), "dqdd_dtau": (n, n)}
     name = f"{model.name}_forward_dynamics_derivatives"
-    return compile(equation, {"q": n, "qd": n, "tau": n}, outputs, name=name)
+    return compile(equation, {"q": n, "qd": n, "tau": n}, outputs, name=name, result=ForwardDynamicsDerivatives)
 
 
 def _forward_by_graph(
@@ -146,7 +147,7 @@ def _coupling_table(model: ArmModel, bodies: Sequence[Inertial], options: Option
         ]
 
     outputs: dict[str, int | tuple[int, ...]] = {"gravity": n, "B": (n, n), "D2": (n, n), "D3": (n, n, n)}
-    return compile(equation, {"q": n}, outputs, name=f"{model.name}_coupling_table")
+    return compile(equation, {"q": n}, outputs, name=f"{model.name}_coupling_table", result=CouplingTable)
 
 
 def _bias(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
@@ -162,10 +163,11 @@ def _bias(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kern
 def _energy(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
     n = len(model.independent)
     return compile(
-        lambda q, qd: [energy.kinetic_energy(model, bodies, q, qd), energy.potential_energy(model, bodies, q)],
+        lambda q, qd: [[energy.kinetic_energy(model, bodies, q, qd)], [energy.potential_energy(model, bodies, q)]],
         {"q": n, "qd": n},
-        {"energy": 2},
+        {"kinetic": (), "potential": ()},
         name=f"{model.name}_energy",
+        result=Energy,
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,8 +71,8 @@ def inverse_geometry(model: ArmModel, form: ClosedForm, target: Vector) -> tuple
     return joints, status
 
 
-def inverse_kernel(model: ArmModel, form: ClosedForm) -> Kernel:
-    """The compiled equation."""
+def inverse_kernel(model: ArmModel, form: ClosedForm, result: Callable[[Array, NDArray[np.int8]], Any]) -> Kernel:
+    """The compiled equation, and what a call makes of the branches and their status."""
     k, n = len(form.names), len(model.joints)
     inputs = {"p": 3} if form.task == "position" else {"T": (4, 4)}
     return compile(
@@ -81,6 +82,7 @@ def inverse_kernel(model: ArmModel, form: ClosedForm) -> Kernel:
         name=f"{model.name}_inverse_geometry",
         integers=("status",),
         branches=True,
+        result=result,
     )
 
 

@@ -8,6 +8,7 @@ from typing import Any
 from holonom.errors import UnknownName
 from holonom.mechanics.equations import kinematics
 from holonom.mechanics.equations.vectors import Matrix, Vector, matmul, matvec
+from holonom.mechanics.results import AnalyticJacobian
 from holonom.model import ArmModel
 from holonom.trace import Kernel, Number, Scalar, compile, less, select, sqrt
 from holonom.trace.derivative import along, jacobian
@@ -78,9 +79,15 @@ def _analytic_jacobian(model: ArmModel, options: Options) -> Kernel:
         rates, degenerate = _angle_rates(R, angles)
         return [_flat([*rows[:3], *matmul(rates, rows[3:])]), [degenerate]]
 
-    outputs: dict[str, int | tuple[int, ...]] = {"J": (6, n), "degenerate": 1}
-    name = f"{model.name}_analytic_jacobian_{angles}"
-    return compile(equation, {"q": n}, outputs, name=name, integers=("degenerate",))
+    outputs: dict[str, int | tuple[int, ...]] = {"J": (6, n), "degenerate": ()}
+    return compile(
+        equation,
+        {"q": n},
+        outputs,
+        name=f"{model.name}_analytic_jacobian_{angles}",
+        integers=("degenerate",),
+        result=lambda J, degenerate: AnalyticJacobian(J, degenerate.view(bool)),
+    )
 
 
 def _angle_rates(R: Matrix, angles: str) -> tuple[Matrix, Number]:

@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.mechanics.arm import Arm
+from holonom.mechanics.results import AnalyticJacobian
 
 __all__ = ["AnalyticJacobian", "acceleration_bias", "analytic_jacobian", "jacobian_hessian", "jacobian_rate"]
 
 Array = NDArray[np.float64]
-
-
-class AnalyticJacobian(NamedTuple):
-    """J (..., 6, n), rows [v; angle rates]; where `degenerate` (...) holds the rates are undefined, their rows zero."""
-
-    J: Array
-    degenerate: NDArray[np.bool_]
 
 
 def jacobian_rate(arm: Arm, q: ArrayLike, qd: ArrayLike, frame: str = "world", *, threads: int = 1) -> Array:
@@ -56,5 +48,5 @@ def analytic_jacobian(arm: Arm, q: ArrayLike, *, angles: str, threads: int = 1) 
     The Jacobian, and whether the angles are degenerate: sin(theta) = 0 for ZYZ, cos(pitch) = 0 for RPY. Only a sum or
     difference of two angles is defined there.
     """
-    J, degenerate = arm.calls["analytic_jacobian", angles](q, threads=threads)
-    return tuple.__new__(AnalyticJacobian, (J, degenerate.view(bool)[..., 0]))
+    result: AnalyticJacobian = arm.calls["analytic_jacobian", angles](q, threads=threads)
+    return result

@@ -18,6 +18,7 @@ from holonom.mechanics.equations import (
 from holonom.mechanics.equations.inertia import Inertial
 from holonom.mechanics.equations.rotors import links_with_rotors
 from holonom.mechanics.equations.vectors import Pose, Vector, matvec, transpose, tvec
+from holonom.mechanics.ik_result import IkResult
 from holonom.mechanics.inverse_geometry import inverse_kernel
 from holonom.mechanics.regressor_kernel import regressor_kernel
 from holonom.model import ArmModel
@@ -153,7 +154,7 @@ def _inverse_geometry(model: ArmModel, options: Options) -> Kernel:
     form = closed_form(model)
     if form is None:
         raise UnknownName("closed-form inverse for arm", model.name, FAMILIES)
-    return inverse_kernel(model, form)
+    return inverse_kernel(model, form, lambda q, status: IkResult(q, status, form.names))
 
 
 def _of_bodies(build: Callable[[ArmModel, Sequence[Inertial], Options], Kernel]) -> Callable[..., Kernel]:

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import ShapeError
 from holonom.mechanics.ik_result import IkNearest, IkStatus
-from holonom.mechanics.inverse_geometry import UNREACHABLE
 from holonom.mechanics.nearest_kernels import nearest_of_rows, nearest_point, nearest_pose
 from holonom.spatial import check_pose
 from holonom.trace import real_array
@@ -46,6 +45,10 @@ def joint_vectors(name: str, q: ArrayLike, names: tuple[str, ...]) -> Array:
     return given
 
 
+STATUS: list[Any] = [np.int8(status) for status in IkStatus]
+"""What a call returns for each status: the same object every time."""
+
+
 class Nearest:
     """The nearest branch of one arm with a closed form, for many calls."""
 
@@ -56,24 +59,27 @@ class Nearest:
         self._arm, self._names, self._rows = arm, form.names, 3 if form.task == "position" else 6
         self._joints = np.array([limits.lower, limits.upper, turns, np.ones(arm.n)])
         self._ndim = 1 if form.task == "position" else 2
-        self._kernel = arm.kernel("inverse_geometry") if form.exact else None  # else branches are to be refined
+        self._address = arm.kernel("inverse_geometry").address if form.exact else 0  # else branches are to be refined
         self._one = nearest_point if form.task == "position" else nearest_pose
-        # What a call returns for a branch and its status, made once.
-        self._branches = [np.int64(k) for k in range(len(form.names))]
-        self._status = [np.int8(status) for status in IkStatus]
+        q = np.empty(arm.n)
+        branches: list[Any] = [np.int64(k) for k in range(len(form.names))]
+        self._answers = tuple(IkNearest(q, status, k, form.names) for k in branches for status in STATUS)
 
     def take(self, T: ArrayLike, q0: ArrayLike, weights: ArrayLike | None) -> IkNearest:
         """Arguments, result and errors as for `Arm.ik_nearest`."""
         joints = self._joints if weights is None else self._weighted(weights)
-        q = np.empty(joints.shape[1])
-        code = -1 if self._kernel is None else self._one(self._kernel.address, len(self._branches), T, q0, joints, q)
-        if code < 0:  # rows of them, lists, other numbers than floats
+        found: IkNearest | None = None
+        if self._address:
+            found = self._one(self._address, len(self._names), T, q0, joints, self._answers)
+        if found is None:  # rows of them, lists, other numbers than floats
             return self._general(T, q0, joints)
-        if code & 3 == IkStatus.SINGULAR:
-            q = self._kept(T, q, np.asarray(q0), np.asarray(True))
-        elif code & 3 == UNREACHABLE and self._rows == 6:
+        status = found[1]
+        if status is STATUS[IkStatus.SINGULAR]:
+            q = self._kept(T, found.q, np.asarray(q0), np.asarray(True))
+            return found._replace(q=q)
+        if status is STATUS[IkStatus.UNREACHABLE] and self._rows == 6:
             check_pose(T, "T")
-        return tuple.__new__(IkNearest, (q, self._status[code & 3], self._branches[code >> 2], self._names))
+        return found
 
     def _weighted(self, weights: ArrayLike) -> Array:
         n = self._joints.shape[1]

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from holonom.mechanics.inverse_geometry import LIMIT, UNREACHABLE
 from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.pointer import call_kernel
+from holonom.trace.results import Results, entry, exists, made_like, nothing
 
 __all__ = ["nearest_of_rows", "nearest_point", "nearest_pose"]
 
@@ -20,7 +21,7 @@ Floats = NDArray[np.float64]
 _LIST, _TABLE, _STACK = float64[::1], float64[:, ::1], float64[:, :, ::1]
 
 ROOM = 256
-"""Numbers that the branches of one target may be, all joints and status; no closed form has as many."""
+"""Numbers that the branches of one target may be, all joints and status, and the joints taken; none has as many."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -57,7 +58,7 @@ def _choose(branches: Floats, status: Any, at: int, reference: Floats, joints: F
     return best
 
 
-def _nearest(address: int, count: int, target: Any, reference: Any, joints: Any, q: Any) -> int:
+def _nearest(address: int, count: int, target: Any, reference: Any, joints: Any, answers: Any) -> Any:
     """Solve and choose for one target.
 
     Parameters
@@ -68,36 +69,40 @@ def _nearest(address: int, count: int, target: Any, reference: Any, joints: Any,
         Of its branches.
     target
         T (4, 4) or p (3,).
-    reference, joints, q
+    reference, joints
         As in `nearest_of_rows`, of one row.
+    answers
+        What to return for each status of each branch: one like number 4 * branch + status, its array the joints.
 
     Returns
     -------
-    Four times the number of the branch, plus its status; -1 if something is not finite or no array of its shape.
+    None if something is not finite, or no array of its shape.
     """
-    if not (fits(target) and fits(reference) and fits(joints) and fits(q)):
-        return -1
-    goal, start, found_q = array_of(target), array_of(reference), array_of(q)
-    n = found_q.shape[0]
-    if start.shape[0] != n or count * (n + 1) > ROOM:
-        return -1
+    if not (fits(target) and fits(reference) and fits(joints)):
+        return nothing(entry(answers, 0))
+    goal, start, bounds = array_of(target), array_of(reference), array_of(joints)
+    n = bounds.shape[1]
     total = 0.0
     for x in goal.flat:
         total += x
     for x in start:
         total += x
-    if not math.isfinite(total):
-        return -1
+    if start.shape[0] != n or count * (n + 1) + n > ROOM or not math.isfinite(total):
+        return nothing(entry(answers, 0))
     found = scratch(ROOM)
     call_kernel(address, goal, found)
-    branch = _choose(found[: count * n].reshape(count, n), found, count * n, start, array_of(joints), found_q)
-    return 4 * branch + int(found[count * n + branch])
+    q = found[ROOM - n :]
+    branch = _choose(found[: count * n].reshape(count, n), found, count * n, start, bounds, q)
+    result = made_like(entry(answers, 4 * branch + int(found[count * n + branch])))
+    if exists(result):
+        array_of(entry(result, 0))[:] = q
+    return result
 
 
-def _compiled(*target: int) -> Callable[..., int]:
+def _compiled(*target: int) -> Callable[..., Any]:
     listed, table = ArrayObject(float64, (None,)), ArrayObject(float64, (4, None))
-    written = ArrayObject(float64, (None,), True)
-    kind = int64(int64, int64, ArrayObject(float64, target), listed, table, written)
+    answer = Results([listed])
+    kind = answer(int64, int64, ArrayObject(float64, target), listed, table, Results([answer]))
     return direct(njit(kind, cache=True, error_model="numpy")(_nearest))
 
 

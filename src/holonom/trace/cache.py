@@ -19,7 +19,7 @@ from holonom.errors import OutputError
 
 __all__ = ["cache_folder", "load_module"]
 
-HELPERS = ("direct.py", "elementary.py", "emit.py", "lanes.py", "lower.py")
+HELPERS = ("direct.py", "elementary.py", "emit.py", "lanes.py", "layout.py", "lower.py", "results.py")
 """Our modules that a kernel is made by and made of."""
 
 

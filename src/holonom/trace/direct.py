@@ -11,26 +11,34 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from llvmlite import binding, ir
+from llvmlite import ir
 from numba import types
 from numba.core.cgutils import alloca_once, pack_array
 from numba.extending import NativeValue, intrinsic, models, register_model, unbox
 from numba.np.arrayobj import make_array, populate_array
 
+from holonom.trace.layout import (
+    BYTE,
+    BYTE_ORDER,
+    DATA,
+    FLAGS,
+    INT,
+    KIND,
+    LONG,
+    NDARRAY,
+    NDIM,
+    POINTER,
+    SHAPE,
+    TYPE,
+    TYPE_NUMBER,
+    load,
+    symbol,
+)
+
 __all__ = ["ArrayObject", "array_of", "direct", "fits", "scratch"]
 
-BYTE, INT, LONG, BOOL = ir.IntType(8), ir.IntType(32), ir.IntType(64), ir.IntType(1)
-POINTER = ir.PointerType(BYTE)
-
-# PyArrayObject_fields and PyArray_Descr of NumPy's C interface; their heads are Python's.
-HEAD = object.__basicsize__
-TYPE = HEAD - 8
-DATA, NDIM, SHAPE, KIND, FLAGS = HEAD, HEAD + 8, HEAD + 16, HEAD + 40, HEAD + 48
-BYTE_ORDER, TYPE_NUMBER = HEAD + 10, HEAD + 12
+BOOL = ir.IntType(1)
 C_CONTIGUOUS, ALIGNED, WRITEABLE = 0x1, 0x100, 0x400
-
-NDARRAY = "holonom_ndarray"
-binding.add_symbol(NDARRAY, id(np.ndarray))  # by name, so that machine code on disk finds it in every process
 
 
 class ArrayObject(types.Opaque):
@@ -49,19 +57,13 @@ def _as_it_is(kind: Any, value: Any, context: Any) -> Any:
     return NativeValue(value)
 
 
-def _read(builder: Any, start: Any, offset: int, kind: Any) -> Any:
-    place = builder.gep(start, [LONG(offset)], source_etype=BYTE)
-    return builder.load(builder.bitcast(place, kind.as_pointer()), typ=kind)
-
-
 def _fits(context: Any, given: Any) -> Any:
     """Whether an argument is the array that its `ArrayObject` says."""
     wanted = np.dtype(given.dtype.name)
     flags = C_CONTIGUOUS | ALIGNED | (WRITEABLE if given.written else 0)
 
     def generate(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
-        value, module = args[0], builder.module
-        ndarray = module.globals.get(NDARRAY) or ir.GlobalVariable(module, BYTE, NDARRAY)
+        value, ndarray = args[0], symbol(builder, NDARRAY)
         fine = builder.alloca(BOOL)
         builder.store(BOOL(0), fine)
 
@@ -71,19 +73,19 @@ def _fits(context: Any, given: Any) -> Any:
                 result = builder.and_(result, builder.icmp_signed("==", a, b))
             return result
 
-        kind = builder.ptrtoint(_read(builder, value, TYPE, POINTER), LONG)
+        kind = builder.ptrtoint(load(builder, value, TYPE, POINTER), LONG)
         with builder.if_then(all_equal((kind, builder.ptrtoint(ndarray, LONG)))):
-            dtype, had = _read(builder, value, KIND, POINTER), _read(builder, value, FLAGS, INT)
+            dtype, had = load(builder, value, KIND, POINTER), load(builder, value, FLAGS, INT)
             laid_out = all_equal(
-                (_read(builder, value, NDIM, INT), INT(len(given.shape))),
+                (load(builder, value, NDIM, INT), INT(len(given.shape))),
                 (builder.and_(had, INT(flags)), INT(flags)),
-                (_read(builder, dtype, TYPE_NUMBER, INT), INT(wanted.num)),
-                (_read(builder, dtype, BYTE_ORDER, BYTE), BYTE(ord(wanted.byteorder))),
+                (load(builder, dtype, TYPE_NUMBER, INT), INT(wanted.num)),
+                (load(builder, dtype, BYTE_ORDER, BYTE), BYTE(ord(wanted.byteorder))),
             )
             with builder.if_then(laid_out):
-                shape = _read(builder, value, SHAPE, POINTER)
+                shape = load(builder, value, SHAPE, POINTER)
                 sizes = [(8 * k, size) for k, size in enumerate(given.shape) if size is not None]
-                builder.store(all_equal(*((_read(builder, shape, k, LONG), LONG(size)) for k, size in sizes)), fine)
+                builder.store(all_equal(*((load(builder, shape, k, LONG), LONG(size)) for k, size in sizes)), fine)
         return builder.load(fine)
 
     return types.boolean(given), generate
@@ -94,10 +96,10 @@ def _array_of(context: Any, given: Any) -> Any:
     kind = types.Array(given.dtype, len(given.shape), "C")
 
     def generate(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
-        start = _read(builder, args[0], SHAPE, POINTER)
+        start = load(builder, args[0], SHAPE, POINTER)
         known = enumerate(given.shape)
-        shape = [_read(builder, start, 8 * k, LONG) if size is None else LONG(size) for k, size in known]
-        return _placed(ctx, builder, kind, _read(builder, args[0], DATA, POINTER), shape)
+        shape = [load(builder, start, 8 * k, LONG) if size is None else LONG(size) for k, size in known]
+        return _placed(ctx, builder, kind, load(builder, args[0], DATA, POINTER), shape)
 
     return kind(given), generate
 
@@ -122,7 +124,9 @@ def _placed(ctx: Any, builder: Any, kind: Any, data: Any, shape: Sequence[Any]) 
         step = builder.mul(step, size)
     made = make_array(kind)(ctx, builder)
     where = builder.bitcast(data, made.data.type)
-    populate_array(made, where, pack_array(builder, shape), pack_array(builder, strides), itemsize, meminfo=None)
+    populate_array(
+        made, where, pack_array(builder, shape, LONG), pack_array(builder, strides, LONG), itemsize, meminfo=None
+    )
     return made._getvalue()
 
 

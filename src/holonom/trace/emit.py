@@ -24,6 +24,7 @@ __all__ = [
     "Field",
     "Results",
     "emit_block",
+    "emit_made",
     "emit_pointer",
     "emit_single",
     "operand",
@@ -43,6 +44,7 @@ from numba.extending import intrinsic
 
 from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.lower import lower
+from holonom.trace.results import Results, entry, exists, made_like, nothing
 
 '''
 
@@ -202,6 +204,38 @@ def emit_single(
         + f"    if not ({' and '.join(f'fits({name})' for name in (*given, *taken))}):\n        return 1\n"
         + f"    if finite({_arrays(given)}) != 0.0:\n        return 2\n"
         + f"    straight_line({_arrays((*given, *taken))})\n    return 0\n\n\nsingle = direct(single)\n"
+    )
+
+
+def emit_made(
+    title: str,
+    body: Sequence[str],
+    inputs: Sequence[Field],
+    outputs: Sequence[Field],
+    results: Results,
+    lanes: Lanes | None = None,
+) -> str:
+    """Return the module of the form that makes its result: `made(in1, ..., like) -> result`, or None.
+
+    `like` is a result to take after: for several outputs a tuple that begins with their arrays, else the array.
+    """
+    given, taken = [f.name for f in inputs], [f.name for f in outputs]
+    kinds = [f"ArrayObject({_scalar(f)}, {f.shape}, {f in outputs})" for f in (*inputs, *outputs)]
+    result = kinds[-1] if len(outputs) == 1 else f"Results([{', '.join(kinds[len(inputs) :])}])"
+    check = [*_loads(inputs), *_check(inputs), "return check"]
+    stores = _stores(outputs, lanes.results if lanes else results)
+    places = ", ".join([_arrays(given), *(f"array_of(entry(result, {k}))" for k in range(len(outputs)))])
+    return (
+        MODULE.format(title=title, count=len(body))
+        + _intrinsic("finite", check, given, SCALAR_FLAGS, 1)
+        + _line(given, taken, _loads(inputs), body, stores, lanes)
+        + f"RESULT = {result}\n\n\n"
+        + f'@njit(RESULT({", ".join(kinds[: len(inputs)])}, RESULT), error_model="numpy", cache=True)\n'
+        + f"def made({', '.join(given)}, like):\n"
+        + f"    if not ({' and '.join(f'fits({name})' for name in given)}) or finite({_arrays(given)}) != 0.0:\n"
+        + "        return nothing(like)\n"
+        + f"    result = made_like(like)\n    if exists(result):\n        straight_line({places})\n"
+        + "    return result\n\n\nmade = direct(made)\n"
     )
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from holonom.errors import ShapeError
 from holonom.trace.cache import load_module
-from holonom.trace.emit import LANES, Field, emit_block, emit_pointer, emit_single, operand, straight_line
+from holonom.trace.emit import LANES, Field, emit_block, emit_made, emit_pointer, emit_single, operand, straight_line
 from holonom.trace.graph import Graph, Scalar
 from holonom.trace.lanes import Lanes, lanes_of
 from holonom.trace.real import real_array
@@ -32,6 +32,7 @@ def compile(
     name: str,
     integers: Sequence[str] = (),
     branches: bool = False,
+    result: Callable[..., Any] | None = None,
 ) -> Kernel:
     """Trace an equation once and return its kernel; machine code is made on first use, or loaded from the cache.
 
@@ -48,6 +49,9 @@ def compile(
         Outputs that hold small integers and are stored as int8.
     branches
         The outputs have a row per branch, all by like equations: one sample's branches then run side by side.
+    result
+        Of several outputs, what a call returns: a function of their arrays, in order, that gives a tuple which begins
+        with them (perhaps viewed as another type). By default a plain tuple.
     """
     graph = Graph()
     ins = [_field(key, shape, key in integers) for key, shape in inputs.items()]
@@ -60,7 +64,11 @@ def compile(
         if len(scalars) != f.width:
             raise ShapeError(f"equation {name!r} gives {len(scalars)} numbers for {f.name!r}; {f.width} were declared")
         results[f.name] = scalars
-    return Kernel(name, tuple(ins), tuple(outs), graph, results, branches)
+    return Kernel(name, tuple(ins), tuple(outs), graph, results, branches, result or _plain)
+
+
+def _plain(*arrays: Array) -> Any:
+    return arrays if len(arrays) > 1 else arrays[0]
 
 
 def _field(name: str, shape: Shape, integer: bool) -> Field:
@@ -83,8 +91,9 @@ class Kernel:
         graph: Graph,
         results: Mapping[str, list[Scalar]],
         branches: bool = False,
+        result: Callable[..., Any] = _plain,
     ) -> None:
-        self.name, self.inputs, self.outputs = name, inputs, outputs
+        self.name, self.inputs, self.outputs, self.result = name, inputs, outputs, result
         self._body = straight_line(graph, [s for values in results.values() for s in values])
         self._results = {key: [operand(graph, s.i) for s in values] for key, values in results.items()}
         lanes = functools.partial(lanes_of, graph, outputs, results) if branches else lambda: None
@@ -116,6 +125,11 @@ class Kernel:
         return load_module(f"{self.name}_single", self.source).single
 
     @functools.cached_property
+    def made(self) -> Callable[..., Any]:
+        """The compiled one-sample form that makes its result: `made(in1, ..., like)` or None (see `emit_made`)."""
+        return load_module(f"{self.name}_made", self.text(emit_made, self._lanes())).made
+
+    @functools.cached_property
     def rows(self) -> Callable[..., float]:
         """The compiled batch form: `rows(in1 (N, w), ..., out1 (N, v), ..., first, last)`; not 0.0 if NaN came in."""
         return load_module(f"{self.name}_rows", self.text(emit_block)).rows
@@ -139,7 +153,7 @@ class Kernel:
 
         Returns
         -------
-        The output array, or a tuple of them.
+        The output array, or a tuple of them, as `compile` was told.
 
         Raises
         ------
@@ -158,10 +172,17 @@ class Kernel:
     @functools.cached_property
     def call(self) -> Callable[..., Any]:
         """Calling the kernel, as a plain function: Python's way to `__call__` costs as much as a small kernel."""
-        return _caller(self, self._general)
+        return _caller(self)
 
-    def _general(self, arrays: Sequence[Any], out: Any, threads: int) -> Any:
-        """Check, broadcast and evaluate whatever the one-sample form did not take."""
+    def into(self, arrays: Sequence[Any], out: Any) -> Any:
+        """Evaluate one sample into given arrays; None if it is something else."""
+        given = out if isinstance(out, tuple) else (out,)
+        if len(given) != len(self.outputs) or self.single(*arrays, *given) != 0:
+            return None
+        return self.result(*given)
+
+    def general(self, arrays: Sequence[Any], out: Any, threads: int) -> Any:
+        """Check, broadcast and evaluate whatever the one-sample forms did not take."""
         threads = check_threads(threads)
         rows, lead = self._plain_rows(arrays) or self._rows_of(arrays)
         count = len(rows[0])
@@ -176,7 +197,7 @@ class Kernel:
         ]
         if count and self._evaluate(rows, flat, count, threads) != 0.0:
             self._name_nonfinite(rows, lead)
-        return results[0] if len(results) == 1 else tuple(results)
+        return self.result(*results)
 
     def _plain_rows(self, arrays: Sequence[Any]) -> tuple[Sequence[Array], tuple[int, ...]] | None:
         """The inputs, if all are rows (N, width) as the batch form takes them: the short cut of small batches."""
@@ -240,35 +261,26 @@ class Kernel:
 
 CALL = """
 def call({inputs}, /, *, out=None, threads=1):
-    try:
-        if in0.ndim == {ndim} and threads == 1:
-            {outputs} = {made} if out is None else out
-            if single({inputs}, {outputs}) == 0:
-                return {outputs}
-    except (TypeError, ValueError, AttributeError):
-        pass
+    if threads == 1:
+        result = made({inputs}, like) if out is None else into(({inputs},), out)
+        if result is not None:
+            return result
     return general(({inputs},), out, threads)
 """
 
 
-def _caller(kernel: Kernel, general: Callable[..., Any]) -> Callable[..., Any]:
+def _caller(kernel: Kernel) -> Callable[..., Any]:
     """One sample at once, or else the general way; written out, for loops over arguments cost as much as a kernel.
 
-    The one-sample form is loaded when it is first needed.
+    The compiled form is loaded when it is first needed.
     """
 
-    def load(*arrays: Any) -> int:
-        names["single"] = kernel.single
-        return kernel.single(*arrays)
+    def load(*arguments: Any) -> Any:
+        names["made"] = kernel.made
+        return kernel.made(*arguments)
 
-    names: dict[str, Any] = {"empty": np.empty, "single": load, "general": general}
-    names |= {str(kind): kind for _, kind in kernel._allocate}
-    text = CALL.format(
-        inputs=", ".join(f"in{k}" for k in range(len(kernel.inputs))),
-        ndim=len(kernel.inputs[0].shape),
-        outputs=", ".join(f"out{k}" for k in range(len(kernel.outputs))),
-        made=", ".join(f"empty({shape}, {kind})" for shape, kind in kernel._allocate),
-    )
-    exec(text, names)
+    like = kernel.result(*(np.empty(shape, kind) for shape, kind in kernel._allocate))
+    names: dict[str, Any] = {"like": like, "made": load, "into": kernel.into, "general": kernel.general}
+    exec(CALL.format(inputs=", ".join(f"in{k}" for k in range(len(kernel.inputs)))), names)
     call: Callable[..., Any] = names["call"]
     return call
