@@ -184,6 +184,7 @@ def _least_squares(log: OdometryLog, parameters: str | None, rule: str) -> _Foun
     assert chosen is not None
     data = {"set": chosen.set, **_values(chosen), "matrix": chosen.matrix.tolist(), **_ratios(chosen)}
     data |= {"condition": chosen.condition, "lever_m": chosen.lever, "errors_before": _errors(chosen.before)}
+    data |= {"limits": _limits(chosen), "growth": chosen.growth}
     data |= {"correlation": chosen.correlation.tolist(), "errors_after": _errors(chosen.after)}
     if plain is not None:
         data["physical"] = {**_values(plain), "errors_after": _errors(plain.after)}
@@ -209,6 +210,13 @@ def _ratios(found: Calibration) -> dict[str, float]:
         return {}
     new, old = (dict(zip(found.names, v.tolist(), strict=True)) for v in (found.values, found.nominal))
     return {"E_b": new["wheelbase"] / old["wheelbase"], "E_d": new["diameter_right"] / new["diameter_left"]}
+
+
+def _limits(found: Calibration) -> dict[str, float | None]:
+    """Limits that the largest errors were held to; None where free."""
+    units = (1.0, 180.0 / math.pi, 1.0, 180.0 / math.pi)
+    names = [key for key in _LABELS if key.startswith("max_")]
+    return {name: _number(float(limit) * unit) for name, limit, unit in zip(names, found.limits, units, strict=True)}
 
 
 def _errors(errors: PathErrors) -> dict[str, Any]:

@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import optimize
 
 from holonom.errors import CalibrationError, OutOfLimits
+from holonom.mobile.calibration.limits import classical, largest_errors, within
 from holonom.mobile.calibration.parameters import DriveParameters, article, drive_parameters, wheels_of
-from holonom.mobile.calibration.residuals import Problem, path_lever
+from holonom.mobile.calibration.residuals import Problem, path_lever, solve
 from holonom.mobile.calibration.runs import PathErrors, Run, dead_reckoning, need_truth, path_errors
 from holonom.mobile.calibration.uncertainty import check_excitation, random_walk_covariance
 
 __all__ = ["Calibration", "calibrate", "held_out_errors"]
 
 Array = NDArray[np.float64]
-
-EVALUATIONS = 60  # of the residuals; a determined problem takes about ten
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +34,9 @@ class Calibration:
     matrix : (3, f) motion matrix: features of a sample (see `Run.features`) to increments of the base.
     lever : m/rad, by which headings were weighted.
     before, after : errors of odometry along the runs.
+    limits : (4,) that the largest errors keep, distance and heading on the way and at the end, m and rad; infinite
+        where free.
+    growth : of the root mean square of the errors over that of least squares without limits, as a share.
     """
 
     drive: str
@@ -50,6 +51,8 @@ class Calibration:
     lever: float
     before: PathErrors
     after: PathErrors
+    limits: Array
+    growth: float
 
     @property
     def condition(self) -> float:
@@ -72,11 +75,13 @@ def calibrate(
     rule: str = "midpoint",
     lever: float | None = None,
     final_weight: float = 1.0,
+    limits: Sequence[float] | None = None,
 ) -> Calibration:
     """Calibrate a drive so that its odometry follows the truth.
 
     Minimises, over all runs, the mean square error of the pose along the run plus `final_weight` squared times the
-    square error at its end; headings count by `lever`. The derivatives go through the integration.
+    square error at its end; headings count by `lever`. The derivatives go through the integration. Where that breaks
+    `limits` of the largest errors, the smallest such sum that keeps them.
 
     Parameters
     ----------
@@ -87,11 +92,14 @@ def calibrate(
     rule : of integration.
     lever : m/rad; how far the truth goes from the start of a run unless given.
     final_weight : of the end of a run beside the way.
+    limits : (4,) largest distance and heading on the way, and at the end, m and rad. Unless given those of a classical
+        calibration for the extended set, physical parameters from the ends of the runs; none for the physical set.
 
     Raises
     ------
     CalibrationError
-        No runs, wheels that do not go with the drive, or a motion that leaves parameters open: it names them.
+        No runs, wheels that do not go with the drive, a motion that leaves parameters open: it names them; limits that
+        no parameters keep.
     UnknownName, OutOfLimits, ShapeError
 
     Source: Gauss-Newton on the recursion, by Levenberg and Marquardt (`scipy.optimize.least_squares`); extended sets
@@ -104,12 +112,14 @@ def calibrate(
     covariance = random_walk_covariance(parts)
     values = check_excitation(problem.residuals(x)[1], parameters, covariance)
     _check_reach(x, parameters)
+    x, bounds, growth = _limited(problem, x, nominal, limits)
     scale = parameters.scale
     M = parameters.matrix(problem.values(x))
     return Calibration(
         drive, set_name, parameters.names, parameters.nominal, problem.values(x),
         scale * np.sqrt(np.diagonal(covariance)), covariance * np.outer(scale, scale), values, M, problem.lever,
         _errors(runs, parameters.matrix(parameters.nominal), rule), _errors(runs, M, rule),
+        bounds, growth,
     )  # fmt: skip
 
 
@@ -139,12 +149,45 @@ def held_out_errors(
 def _solved(problem: Problem) -> Array:
     zero = np.zeros(len(problem.drive.names))
     check_excitation(problem.residuals(zero)[1], problem.drive)
-    found = optimize.least_squares(
-        lambda x: problem.residuals(x)[0], zero, jac=lambda x: problem.residuals(x)[1], method="lm",
-        xtol=1e-10, ftol=1e-10, max_nfev=EVALUATIONS,
-    )  # fmt: skip
-    x: Array = found.x
-    return x
+    return solve(problem, zero)
+
+
+def _limited(
+    problem: Problem, x: Array, nominal: Mapping[str, float], limits: Sequence[float] | None
+) -> tuple[Array, Array, float]:
+    """Parameters within limits, the limits, and how much the errors grew."""
+    drive, free = problem.drive, np.full(4, np.inf)
+    if limits is not None:
+        bounds = _four(limits)
+    elif drive.set == "physical":
+        return x, free, 0.0
+    else:
+        plain = replace(problem, drive=drive_parameters(drive.drive, nominal))
+        bounds = largest_errors(plain, classical(plain))
+    kept = within(problem, x, bounds)
+    if kept is None and limits is not None:
+        raise CalibrationError(_unkept(bounds, drive))
+    if kept is None:
+        return x, free, 0.0
+    old, new = (float(np.linalg.norm(problem.residuals(at)[0])) for at in (x, kept))
+    return kept, bounds, new / max(old, 1e-300) - 1.0
+
+
+def _four(limits: Sequence[float]) -> Array:
+    bounds = np.asarray(limits, dtype=np.float64)
+    if bounds.shape != (4,) or not np.all(bounds > 0.0):
+        raise OutOfLimits(
+            f"limits {limits} came; give four above zero: distance and heading on the way, and at the end, m and rad"
+        )
+    return bounds
+
+
+def _unkept(bounds: Array, drive: DriveParameters) -> str:
+    way, turn, end, last = bounds * np.array([1.0, 180.0 / np.pi, 1.0, 180.0 / np.pi])
+    return (
+        f"no {drive.set} parameters keep all errors within {way:.4g} m and {turn:.4g} degrees on the way, "
+        f"{end:.4g} m and {last:.4g} degrees at the end; give wider limits, or see what is left without them"
+    )
 
 
 def _errors(runs: Sequence[Run], M: Array, rule: str) -> PathErrors:

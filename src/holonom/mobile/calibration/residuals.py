@@ -7,15 +7,18 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import optimize
 
 from holonom.mobile.calibration.parameters import DriveParameters
 from holonom.mobile.calibration.runs import Run
 from holonom.mobile.odometry.integrate import rule_named
 from holonom.mobile.odometry.kernels import sensitivities_into
 
-__all__ = ["Problem", "RunPart", "path_lever"]
+__all__ = ["Problem", "RunPart", "path_lever", "solve"]
 
 Array = NDArray[np.float64]
+
+EVALUATIONS = 60  # of the residuals; a determined problem takes about ten
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,3 +93,13 @@ def path_lever(runs: Sequence[Run]) -> float:
     """Largest distance of the truth from the start of its run, m: how far a heading error swings the path's far end."""
     reach = [float(np.max(np.hypot(*(run.truth[:, :2] - run.truth[0, :2]).T))) for run in runs]
     return max(reach)
+
+
+def solve(problem: Problem, start: Array) -> Array:
+    """Least squares (p,) from a start, by Levenberg and Marquardt."""
+    found = optimize.least_squares(
+        lambda x: problem.residuals(x)[0], start, jac=lambda x: problem.residuals(x)[1], method="lm",
+        xtol=1e-10, ftol=1e-10, max_nfev=EVALUATIONS,
+    )  # fmt: skip
+    x: Array = found.x
+    return x
