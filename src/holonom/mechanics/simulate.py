@@ -329,8 +329,7 @@ def _given_torque(controller: TorqueFunction, t: float, q: Array, qd: Array) -> 
 
 
 def _lanes(loop: Loop, tableau: Tableau, grid: Grid, inputs: tuple[Array, Array], samples: Array, threads: int) -> None:
-    from holonom.mechanics.simulate_kernels import advance_lanes
-    from holonom.trace.emit import LANES
+    from holonom.mechanics.simulate_kernels import LANES, advance_lanes
 
     rows, count = loop.kernel.rows, samples.shape[1]
     stiction = loop.stiction.address if loop.stiction else 0

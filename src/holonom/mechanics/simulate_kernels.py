@@ -15,12 +15,13 @@ import numpy as np
 from numba import njit, types
 from numpy.typing import NDArray
 
-from holonom.trace.emit import LANES
 from holonom.trace.pointer import call_kernel
 
 __all__ = ["advance_lanes", "advance_one", "settle", "turns_back"]
 
 Floats = NDArray[np.float64]
+LANES = 64
+"""Variations that are advanced together."""
 SWEEPS, SETTLED = 100, 1e-12
 """Most sweeps over the joints in `settle`, and the change of the speeds, as a share of the largest, that ends them."""
 

@@ -19,7 +19,7 @@ from holonom.errors import OutputError
 
 __all__ = ["cache_folder", "load_module"]
 
-HELPERS = ("direct.py", "elementary.py", "emit.py", "lanes.py", "layout.py", "lower.py", "results.py")
+HELPERS = ["direct", "elementary", "emit", "functions", "graph", "lanes", "layout", "lower", "remainder", "results", "transpose"]
 """Our modules that a kernel is made by and made of."""
 
 
@@ -36,7 +36,7 @@ def _environment() -> str:
     import llvmlite
     import numba
 
-    helpers = [Path(__file__).with_name(name).read_text() for name in HELPERS]
+    helpers = [Path(__file__).with_name(f"{name}.py").read_text() for name in HELPERS]
     return "\n".join([numba.__version__, llvmlite.__version__, sys.version, *helpers])
 
 

@@ -9,7 +9,9 @@ from holonom.trace.graph import Condition, Number, Scalar
 __all__ = [
     "absolute",
     "atan2",
+    "copysign",
     "cos",
+    "floor",
     "less",
     "less_equal",
     "maximum",
@@ -57,6 +59,21 @@ def absolute(x: Number) -> Number:
     if not isinstance(x, Scalar):
         return abs(x)
     return abs(x.value) if x.value is not None else _unary("abs", x)
+
+
+def floor(x: Number) -> Number:
+    """The largest whole number that is not above x."""
+    if not isinstance(x, Scalar):
+        return float(math.floor(x)) if math.isfinite(x) else x
+    return float(math.floor(x.value)) if x.value is not None else _unary("floor", x)
+
+
+def copysign(a: Number, b: Number) -> Number:
+    """The magnitude of `a` with the sign of `b`, which a zero has too."""
+    if not isinstance(a, Scalar) and not isinstance(b, Scalar):
+        return math.copysign(a, b)
+    p, q = _pair(a, b)
+    return Scalar(p.graph, p.graph.add("copysign", p.i, q.i))
 
 
 def atan2(y: Number, x: Number) -> Number:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from holonom.errors import ShapeError
 from holonom.trace.cache import load_module
-from holonom.trace.emit import LANES, Field, emit_block, emit_made, emit_pointer, emit_single, operand, straight_line
+from holonom.trace.emit import (Field, emit_block, emit_made, emit_pointer, emit_single, lanes_at_once, operand, straight_line)
 from holonom.trace.graph import Graph, Scalar
 from holonom.trace.lanes import Lanes, lanes_of
 from holonom.trace.real import real_array
@@ -242,11 +242,12 @@ class Kernel:
                 )
 
     def _evaluate(self, rows: Sequence[Array], flat: Sequence[Array], count: int, threads: int) -> float:
-        blocks = -(-count // LANES)
+        lanes = lanes_at_once(self.operations)
+        blocks = -(-count // lanes)
         parts = max(1, min(threads, blocks))
         if parts == 1:
             return self.rows(*rows, *flat, 0, count)
-        edges = [min(count, LANES * (blocks * k // parts)) for k in range(parts + 1)]
+        edges = [min(count, lanes * (blocks * k // parts)) for k in range(parts + 1)]
         run, given = self.rows, (*rows, *flat)
         return sum(share(lambda k: run(*given, edges[k], edges[k + 1]), parts))
 

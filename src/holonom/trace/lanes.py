@@ -11,11 +11,13 @@ import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from holonom.trace.emit import WIDTH, Field, Results, operand, straight_line
+from holonom.trace.emit import Field, Results, operand, straight_line
 from holonom.trace.graph import Graph, Op, Scalar
 
 __all__ = ["Lanes", "lanes_of"]
 
+WIDTHS = (8, 4)
+"""Branches of a vector, best first."""
 DEPTH = 4
 """Operations deep that the operands of sums and products are compared."""
 CONDITIONS = ("<", "<=", "and", "or")
@@ -29,10 +31,11 @@ Likeness = Callable[[int, int, int], int]
 class Lanes:
     """The programs of one sample whose branches are lanes.
 
-    `shared` writes to `buf` what the branches start from. `branch` finds place k of a lane in `buf[WIDTH k + lane]` and
+    `shared` writes to `buf` what the branches start from. `branch` finds place k of a lane in `buf[width k + lane]` and
     writes there. `loads` brings back what `results` names; `size` numbers are in `buf`.
     """
 
+    width: int
     size: int
     shared: Sequence[str]
     branch: Sequence[str]
@@ -41,14 +44,15 @@ class Lanes:
 
 
 def lanes_of(graph: Graph, outputs: Sequence[Field], results: Mapping[str, Sequence[Scalar]]) -> Lanes | None:
-    """Lay the rows of all outputs side by side; None if their number is no multiple of `WIDTH`."""
+    """Lay the rows of all outputs side by side; None if no vector of `WIDTHS` is full of them."""
     rows = outputs[0].shape[0]
-    if rows % WIDTH:
+    width = next((width for width in WIDTHS if rows % width == 0), None)
+    if width is None:
         return None
     widths = {f.name: f.width // rows for f in outputs}
     places = [(name, width * row + k) for name, width in widths.items() for k in range(width) for row in range(rows)]
     values = [results[name][k].i for name, k in places]
-    lane, wanted, given = _side_by_side(graph, [tuple(values[k : k + WIDTH]) for k in range(0, len(values), WIDTH)])
+    lane, wanted, given = _side_by_side(graph, [tuple(values[k : k + width]) for k in range(0, len(values), width)])
     starts = [Scalar(graph, i) for nodes in given for i in nodes]
     shared = straight_line(graph, starts)
     shared += [f"buf[{k}] = {operand(graph, s.i)}" for k, s in enumerate(starts)]
@@ -58,7 +62,7 @@ def lanes_of(graph: Graph, outputs: Sequence[Field], results: Mapping[str, Seque
     loads = [f"found_{k} = buf[{len(starts) + k}]" for k in range(len(places))]
     names = {place: f"found_{k}" for k, place in enumerate(places)}
     found = {f.name: [names[f.name, k] for k in range(f.width)] for f in outputs}
-    return Lanes(len(starts) + len(places), shared, branch, loads, found)
+    return Lanes(width, len(starts) + len(places), shared, branch, loads, found)
 
 
 def _side_by_side(graph: Graph, columns: Sequence[Rows]) -> tuple[Graph, list[Scalar], list[Rows]]:

@@ -1,112 +1,174 @@
 """From the text of a straight line to machine code, past Numba's type inference: every value in it is a double.
 
 The text is what a person reads (`Kernel.source`): one operation a line, `t7 = t3 * c0`, loads `q_0 = q[0]`, stores
-`tau[0] = t7`.
-Going straight to LLVM compiles it several times faster than letting Numba infer it.
+`tau[0] = t7`. Going straight to LLVM compiles it several times faster than letting Numba infer it, and the same text
+becomes code for vectors: then each value is that of several samples, one a lane.
 """
 
 from __future__ import annotations
 
+import functools
 import re
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from llvmlite import ir
 from numba import types
 
-from holonom.trace.elementary import arctan2, sincos
+from holonom.trace.elementary import ELEMENTARY, parameters, traced
+from holonom.trace.emit import operand, straight_line
+from holonom.trace.transpose import itemsize, load_columns, store_columns
 
 __all__ = ["lower"]
 
-DOUBLE = ir.DoubleType()
-CALLED = {"sincos": sincos, "arctan2": arctan2}
-"""Helpers that are compiled functions of their own."""
-INSTRUCTIONS = {"abs": "llvm.fabs", "sqrt": "llvm.sqrt"}
+DOUBLE, LONG = ir.DoubleType(), ir.IntType(64)
+INSTRUCTIONS = {"abs": "llvm.fabs", "sqrt": "llvm.sqrt", "floor": "llvm.floor", "copysign": "llvm.copysign"}
 ARITHMETIC = {"+": "fadd", "-": "fsub", "*": "fmul", "/": "fdiv"}
 LOAD = re.compile(r"(\w+)\[(\d+)\]")
 CALL = re.compile(r"(\w+)\((.*)\)")
 
 
 def lower(
-    context: Any, program: str, arguments: Mapping[str, Any], flags: Sequence[str], *, stride: int = 1
+    program: str, arguments: Mapping[str, Any], flags: Sequence[str], *, lanes: int = 1
 ) -> tuple[Any, Callable[..., Any]]:
     """Return signature and code generator of an intrinsic that runs `program`.
 
     Parameters
     ----------
-    context
-        Numba's typing context, as an intrinsic gets it.
     program
-        One operation a line; a last line `return x` gives a value.
+        One operation a line; a last line `return x, ...` gives values: of several lanes, their sums.
     arguments
-        Name -> Numba type: arrays that are read and written at flat places, C-contiguous; an integer argument
-        "lane" is added to every place.
+        Name -> Numba type: doubles, and arrays that are read and written, C-contiguous. `a[k]` is place k of the flat
+        array; with lanes, as many places from `lanes * k` on. An argument "start" makes them rows: `a[k]` is then
+        number k of the rows from `start` on, one a lane.
     flags
         Fast-math flags of the arithmetic.
-    stride
-        Elements between neighbouring places: 64 where each place holds a block of lanes.
+    lanes
+        Samples that are computed at once.
     """
     lines = program.splitlines()
-    result = types.float64 if lines and lines[-1].startswith("return ") else types.void
-    helpers = {name: _typed(context, function) for name, function in CALLED.items() if f"{name}(" in program}
+    wanted = lines.pop().removeprefix("return ").split(", ") if lines[-1].startswith("return ") else []
+    result = {0: types.void, 1: types.float64}.get(len(wanted), types.UniTuple(types.float64, len(wanted)))
 
     def generate(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
-        places = dict(zip(arguments, args, strict=True))
-        lane = places.pop("lane", None)
+        given = dict(zip(arguments, args, strict=True))
         kinds = dict(zip(arguments, signature.args, strict=True))
-        data = {name: ctx.make_array(kinds[name])(ctx, builder, array).data for name, array in places.items()}
-        held = {name: ctx.get_data_type(kinds[name].dtype) for name in places}
-        calls = {name: (ctx.get_function(kind, sig)) for name, (kind, sig) in helpers.items()}
-        return _Assembler(ctx, builder, data, held, calls, tuple(flags), lane, stride).run(lines)
+        start = given.pop("start", None)
+        if start is not None:
+            builder.function.attributes.add("noinline")
+        data = {
+            name: (ctx.make_array(kinds[name])(ctx, builder, value).data, ctx.get_data_type(kinds[name].dtype))
+            for name, value in given.items()
+            if isinstance(kinds[name], types.Array)
+        }
+        memory = _Places(builder, data, lanes) if start is None else _Rows(builder, data, lanes, start, lines)
+        line = _Assembler(builder, memory, flags, lanes)
+        line.values.update((name, value) for name, value in given.items() if name not in data)
+        line.run(lines)
+        memory.close()
+        sums = [line.sum(line.value(word)) for word in wanted]
+        if len(sums) > 1:
+            return ctx.make_tuple(builder, result, sums)
+        return sums[0] if sums else ctx.get_dummy_value()
 
     return result(*arguments.values()), generate
 
 
-def _typed(context: Any, function: Any) -> tuple[Any, Any]:
-    """Compile a helper for doubles; return its type and signature."""
-    kind = context.resolve_value_type(function)
-    count = function.py_func.__code__.co_argcount
-    return kind, kind.get_call_type(context, (types.float64,) * count, {})
+@functools.cache
+def _elementary(name: str) -> tuple[Sequence[str], Sequence[str], Sequence[str]]:
+    """Names of the arguments, straight line, and names of the results of an elementary function."""
+    graph, found = traced(name)
+    lines = straight_line(graph, found)
+    return [f"{each}_0" for each in parameters(name)], lines, [operand(graph, value.i) for value in found]
+
+
+Data = Mapping[str, tuple[Any, Any]]
+"""Arrays by name: pointer to the first number, and LLVM type of what is held."""
+
+
+class _Places:
+    """Flat arrays: place k of all lanes lies in one piece."""
+
+    def __init__(self, builder: Any, data: Data, lanes: int) -> None:
+        self.builder, self.data, self.lanes = builder, data, lanes
+
+    def load(self, name: str, index: int) -> Any:
+        place, kind = self._place(name, index)
+        return self.builder.load(place, typ=kind, align=itemsize(DOUBLE))
+
+    def store(self, name: str, index: int, value: Any) -> None:
+        place, kind = self._place(name, index)
+        self.builder.store(_as_held(self.builder, value, kind), place, align=itemsize(self.data[name][1]))
+
+    def close(self) -> None:
+        """All is written."""
+
+    def _place(self, name: str, index: int) -> tuple[Any, Any]:
+        first, held = self.data[name]
+        kind = held if self.lanes == 1 else ir.VectorType(held, self.lanes)
+        where = self.builder.gep(first, [LONG(self.lanes * index)], source_etype=held)
+        return self.builder.bitcast(where, kind.as_pointer()), kind
+
+
+class _Rows:
+    """Arrays with a sample a row, as wide as the lines say; what is stored is written at the end."""
+
+    def __init__(self, builder: Any, data: Data, lanes: int, start: Any, lines: Sequence[str]) -> None:
+        self.builder, self.lanes = builder, lanes
+        named = [found[1] for line in lines for side in line.split(" = ") if (found := LOAD.fullmatch(side))]
+        self.widths = Counter(named)
+        self.first = {
+            name: builder.gep(data[name][0], [builder.mul(start, LONG(width))], source_etype=data[name][1])
+            for name, width in self.widths.items()
+        }
+        self.held = {name: held for name, (_, held) in data.items()}
+        self.columns: dict[str, list[Any]] = {}
+        self.written: dict[str, list[Any]] = {name: [None] * width for name, width in self.widths.items()}
+
+    def load(self, name: str, index: int) -> Any:
+        if name not in self.columns:
+            self.columns[name] = load_columns(self.builder, self.first[name], self.widths[name], self.lanes)
+        return self.columns[name][index]
+
+    def store(self, name: str, index: int, value: Any) -> None:
+        kind = ir.VectorType(self.held[name], self.lanes)
+        self.written[name][index] = _as_held(self.builder, value, kind)
+
+    def close(self) -> None:
+        for name, columns in self.written.items():
+            if columns[0] is not None:
+                store_columns(self.builder, self.first[name], columns, self.lanes)
+
+
+def _as_held(builder: Any, value: Any, kind: Any) -> Any:
+    """Doubles as an array holds them: in one of small integers as such."""
+    return value if value.type == kind else builder.fptosi(value, kind)
 
 
 class _Assembler:
     """Emits one straight line; `values` maps names to LLVM values."""
 
-    def __init__(
-        self,
-        ctx: Any,
-        builder: Any,
-        data: Mapping[str, Any],
-        held: Mapping[str, Any],
-        calls: Mapping[str, Any],
-        flags: tuple[str, ...],
-        lane: Any,
-        stride: int,
-    ) -> None:
-        self.ctx, self.builder, self.data, self.held, self.calls = ctx, builder, data, held, calls
-        self.flags, self.lane, self.stride = flags, lane, stride
+    def __init__(self, builder: Any, memory: _Places | _Rows, flags: Sequence[str], lanes: int) -> None:
+        self.builder, self.memory, self.flags, self.lanes = builder, memory, tuple(flags), lanes
+        self.kind = DOUBLE if lanes == 1 else ir.VectorType(DOUBLE, lanes)
         self.values: dict[str, Any] = {}
 
-    def run(self, lines: Sequence[str]) -> Any:
+    def run(self, lines: Sequence[str]) -> None:
         for line in lines:
-            if line.startswith("return "):
-                return self.value(line.removeprefix("return "))
             target, _, expression = line.partition(" = ")
             if stored := LOAD.fullmatch(target):
-                self.store(stored[1], stored[2], self.value(expression))
+                self.memory.store(stored[1], int(stored[2]), self.value(expression))
             elif "," in target:
-                pair = self.call(expression)
-                for k, name in enumerate(target.split(", ")):
-                    self.values[name] = self.builder.extract_value(pair, k)
+                self.values.update(zip(target.split(", "), self.call(expression), strict=True))
             else:
                 self.values[target] = self.evaluate(expression)
-        return self.ctx.get_dummy_value()
 
     def evaluate(self, expression: str) -> Any:
         if loaded := LOAD.fullmatch(expression):
-            return self.builder.load(self.place(*loaded.groups()), typ=DOUBLE)
+            return self.memory.load(loaded[1], int(loaded[2]))
         if expression.endswith(")"):
-            return self.call(expression)
+            return self.call(expression)[0]
         words = expression.split(" ")
         if len(words) == 1:
             return self.builder.fneg(self.value(expression[1:]), flags=self.flags)
@@ -117,26 +179,39 @@ class _Assembler:
             return self.builder.and_(a, b) if operator == "&" else self.builder.or_(a, b)
         return self.builder.fcmp_ordered(operator, a, b)
 
-    def call(self, expression: str) -> Any:
+    def call(self, expression: str) -> list[Any]:
+        """The results of a function, one or more."""
         found = CALL.fullmatch(expression)
         assert found is not None
         name, values = found[1], [self.value(word) for word in found[2].split(", ")]
+        if name in ELEMENTARY:
+            names, lines, results = _elementary(name)
+            inner = _Assembler(self.builder, self.memory, self.flags, self.lanes)
+            inner.values.update(zip(names, values, strict=True))
+            inner.run(lines)
+            return [inner.value(word) for word in results]
         if name == "select":
-            return self.builder.select(*values)
-        if name in INSTRUCTIONS:
-            return self.builder.call(self.builder.module.declare_intrinsic(INSTRUCTIONS[name], [DOUBLE]), values)
-        return self.calls[name](self.builder, values)
+            return [self.builder.select(*values)]
+        return [self.builder.call(self.instruction(INSTRUCTIONS[name], len(values)), values)]
+
+    def instruction(self, name: str, arguments: int) -> Any:
+        """An intrinsic of LLVM, for all lanes."""
+        module, suffix = self.builder.module, "f64" if self.lanes == 1 else f"v{self.lanes}f64"
+        full = f"{name}.{suffix}"
+        known = module.globals.get(full)
+        return known or ir.Function(module, ir.FunctionType(self.kind, [self.kind] * arguments), full)
 
     def value(self, word: str) -> Any:
         known = self.values.get(word)
-        return ir.Constant(DOUBLE, float(word)) if known is None else known
+        if known is not None:
+            return known
+        return ir.Constant(self.kind, float(word) if self.lanes == 1 else [float(word)] * self.lanes)
 
-    def place(self, name: str, index: str) -> Any:
-        offset = ir.Constant(ir.IntType(64), int(index) * self.stride)
-        where = offset if self.lane is None else self.builder.add(self.lane, offset)
-        return self.builder.gep(self.data[name], [where], source_etype=self.held[name])
-
-    def store(self, name: str, index: str, value: Any) -> None:
-        """Store a double; into an array of small integers as one."""
-        held = self.held[name]
-        self.builder.store(value if held == DOUBLE else self.builder.fptosi(value, held), self.place(name, index))
+    def sum(self, value: Any) -> Any:
+        """The sum over the lanes."""
+        if self.lanes == 1:
+            return value
+        parts = [self.builder.extract_element(value, ir.IntType(32)(k)) for k in range(self.lanes)]
+        while len(parts) > 1:
+            parts = [self.builder.fadd(a, b) for a, b in zip(parts[::2], parts[1::2], strict=True)]
+        return parts[0]

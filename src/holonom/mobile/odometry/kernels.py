@@ -6,7 +6,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from holonom.trace.elementary import TRIG_FLAGS, select, sincos
+from holonom.trace.compiled import TRIG_FLAGS, select, sincos
 
 __all__ = ["all_finite", "integrate_into", "propagate_into", "sensitivities_into"]
 

@@ -1,0 +1,91 @@
+"""Rows of numbers in memory to vectors of one column each, and back: what a batch costs beside its arithmetic.
+
+A row is cut into pieces of 4, 2 and 1 numbers. Pieces of so many rows are loaded side by side and transposed in
+registers, so that a vector holds one number of every row; storing goes the same way back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from llvmlite import ir
+
+__all__ = ["itemsize", "load_columns", "store_columns"]
+
+DOUBLE, INDEX, LONG = ir.DoubleType(), ir.IntType(32), ir.IntType(64)
+
+
+def load_columns(builder: Any, rows: Any, width: int, lanes: int) -> list[Any]:
+    """Return `width` vectors: number k of the `lanes` rows that start at the pointer `rows`."""
+    columns: list[Any] = []
+    for first, size in _pieces(width):
+        vectors = []
+        for k in range(size):
+            mine = [_piece(builder, rows, DOUBLE, width * row + first, size) for row in range(k, lanes, size)]
+            vectors.append(_joined(builder, [builder.load(place, align=itemsize(DOUBLE)) for place in mine]))
+        columns += _transposed(builder, vectors, size, lanes)
+    return columns
+
+
+def store_columns(builder: Any, rows: Any, columns: Sequence[Any], lanes: int) -> None:
+    """Store vectors as `load_columns` would find them; of numbers of any type."""
+    kind = columns[0].type.element
+    pieces = [
+        (first, size, _transposed(builder, columns[first : first + size], size, lanes))
+        for first, size in _pieces(len(columns))
+    ]
+    for row in range(lanes):
+        for first, size, vectors in pieces:
+            k, at = row % size, row // size * size
+            part = _shuffled(builder, vectors[k], vectors[k], range(at, at + size))
+            place = _piece(builder, rows, kind, len(columns) * row + first, size)
+            builder.store(part, place, align=itemsize(kind))
+
+
+def itemsize(kind: Any) -> int:
+    """Bytes of a number of an LLVM type, which are its alignment too."""
+    return 8 if kind == DOUBLE else kind.width // 8
+
+
+def _pieces(width: int) -> Iterator[tuple[int, int]]:
+    """First column and number of columns of each piece."""
+    first = 0
+    while first < width:
+        size = next(size for size in (4, 2, 1) if first + size <= width)
+        yield first, size
+        first += size
+
+
+def _piece(builder: Any, rows: Any, kind: Any, place: int, size: int) -> Any:
+    """Pointer to so many numbers from a place on."""
+    where = builder.gep(rows, [LONG(place)], source_etype=kind)
+    return builder.bitcast(where, ir.VectorType(kind, size).as_pointer())
+
+
+def _joined(builder: Any, parts: Sequence[Any]) -> Any:
+    """Vectors end to end; their number is a power of two."""
+    while len(parts) > 1:
+        both = range(2 * parts[0].type.count)
+        parts = [_shuffled(builder, a, b, both) for a, b in zip(parts[::2], parts[1::2], strict=True)]
+    return parts[0]
+
+
+def _transposed(builder: Any, vectors: Sequence[Any], size: int, lanes: int) -> list[Any]:
+    """Transpose every square of `size` vectors and as many neighbouring lanes."""
+    made, step = list(vectors), 1
+    while step < size:
+        low = [lane if not lane & step else lanes + lane - step for lane in range(lanes)]
+        high = [lane + step if not lane & step else lanes + lane for lane in range(lanes)]
+        for k in range(size):
+            if not k & step:
+                a, b = made[k], made[k + step]
+                made[k], made[k + step] = _shuffled(builder, a, b, low), _shuffled(builder, a, b, high)
+        step *= 2
+    return made
+
+
+def _shuffled(builder: Any, a: Any, b: Any, lanes: Sequence[int]) -> Any:
+    """The lanes named, counted through `a` and then `b`."""
+    mask = ir.Constant(ir.VectorType(INDEX, len(lanes)), [INDEX(k) for k in lanes])
+    return builder.shuffle_vector(a, b, mask)
