@@ -19,7 +19,19 @@ from holonom.errors import OutputError
 
 __all__ = ["cache_folder", "load_module"]
 
-HELPERS = ["direct", "elementary", "emit", "functions", "graph", "lanes", "layout", "lower", "remainder", "results", "transpose"]
+HELPERS = [
+    "direct",
+    "elementary",
+    "emit",
+    "functions",
+    "graph",
+    "lanes",
+    "layout",
+    "lower",
+    "remainder",
+    "results",
+    "transpose",
+]
 """Our modules that a kernel is made by and made of."""
 
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from holonom.trace.functions import absolute, copysign, floor, less, select
-from holonom.trace.graph import Graph, Number
+from holonom.trace.graph import Graph, Number, Scalar
 
-__all__ = ["ELEMENTARY", "arctan2", "parameters", "sincos"]
+__all__ = ["ELEMENTARY", "arctan2", "parameters", "sincos", "traced"]
 
 
 def sincos(x: Number) -> tuple[Number, Number]:
@@ -66,8 +66,8 @@ def parameters(name: str) -> Sequence[str]:
     return code.co_varnames[: code.co_argcount]
 
 
-def traced(name: str) -> tuple[Graph, list[Number]]:
+def traced(name: str) -> tuple[Graph, list[Scalar]]:
     """Graph and results of an elementary function."""
     graph = Graph()
     found = ELEMENTARY[name](*(graph.input(each, 0) for each in parameters(name)))
-    return graph, list(found) if isinstance(found, tuple) else [found]
+    return graph, [value for value in (found if isinstance(found, tuple) else (found,)) if isinstance(value, Scalar)]

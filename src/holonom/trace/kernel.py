@@ -12,7 +12,16 @@ from numpy.typing import NDArray
 
 from holonom.errors import ShapeError
 from holonom.trace.cache import load_module
-from holonom.trace.emit import (Field, emit_block, emit_made, emit_pointer, emit_single, lanes_at_once, operand, straight_line)
+from holonom.trace.emit import (
+    Field,
+    emit_block,
+    emit_made,
+    emit_pointer,
+    emit_single,
+    lanes_at_once,
+    operand,
+    straight_line,
+)
 from holonom.trace.graph import Graph, Scalar
 from holonom.trace.lanes import Lanes, lanes_of
 from holonom.trace.real import real_array
