@@ -282,7 +282,7 @@ def test_two_published_methods_no_odometry_beats_both(
     assert best.status == 0
     assert best.fun == pytest.approx(least, abs=1e-3)
     limits = [np.inf, np.radians(way), np.inf, np.radians(end)]
-    with pytest.raises(CalibrationError, match="no extended parameters keep all errors within"):
+    with pytest.raises(CalibrationError, match="no extended parameters near the least squares keep all errors within"):
         calibrate(log.runs, log.drive, log.nominal, set_name="extended", limits=limits)
 
 

@@ -185,8 +185,8 @@ def _four(limits: Sequence[float]) -> Array:
 def _unkept(bounds: Array, drive: DriveParameters) -> str:
     way, turn, end, last = bounds * np.array([1.0, 180.0 / np.pi, 1.0, 180.0 / np.pi])
     return (
-        f"no {drive.set} parameters keep all errors within {way:.4g} m and {turn:.4g} degrees on the way, "
-        f"{end:.4g} m and {last:.4g} degrees at the end; give wider limits, or see what is left without them"
+        f"no {drive.set} parameters near the least squares keep all errors within {way:.4g} m and {turn:.4g} degrees "
+        f"on the way, {end:.4g} m and {last:.4g} degrees at the end; give wider limits, or see what is left without"
     )
 
 
