@@ -12,7 +12,7 @@ from holonom.devices.kernels import friction_torque
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile.arrangements import ackermann, omni
 from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch
-from holonom.sim.base.kernels import BLOCKED, DEAD, _friction, _solve, slip_friction
+from holonom.sim.base.kernels import BLOCKED, DEAD, _friction, _solve, break_motor, slip_friction
 from holonom.sim.base.plant import BaseDrive, BasePlant
 
 SLICK = Floor(Material(0.0, 0.0, 0.1))
@@ -84,7 +84,7 @@ def test_a_wheel_on_a_slick_floor_spins_alone() -> None:
     plant.drive_open(np.tile([6.0, 0.0, 0.0, 0.0], (1500, 1)))
     motor = LOSSLESS.motor
     expected = 6.0 * motor.speed_gain / 3.0
-    np.testing.assert_allclose(plant.states["speed"], [expected, 0.0, 0.0, 0.0], atol=1e-3 * expected)
+    np.testing.assert_allclose(plant.states["speed"][0], [expected, 0.0, 0.0, 0.0], atol=1e-3 * expected)
     s = plant.state[0]
     assert s["x"] == s["y"] == s["theta"] == 0.0
 
@@ -123,12 +123,13 @@ def test_steady_state_is_the_coupling(name: str, twist: tuple[float, float, floa
     """Where nothing slips, wheels turn as the inverse model says: D times the twist, over the wheel radius."""
     plant = BasePlant(BASES[name], LOSSLESS)
     twist = np.array(twist) * [1.0, name != "differential", 1.0]
-    wheels = plant.rows @ twist / plant.wheels["radius"]
+    wheels = plant.rows @ twist / plant.radii
     u = 3.0 * wheels * LOSSLESS.motor.back_emf_constant
     plant.drive_open(np.tile(u, (4000, 1)))
     s = plant.state[0]
     reached = np.array([s["vx"], s["vy"], s["w"]])
-    np.testing.assert_allclose(plant.wheels["radius"] * plant.states["speed"], plant.rows @ reached, atol=1e-4)
+    speeds = plant.states["speed"].flat[: len(plant.driven)]
+    np.testing.assert_allclose(plant.radii * speeds, plant.rows @ reached, atol=1e-4)
     np.testing.assert_allclose(reached, twist, rtol=3e-3, atol=1e-3)
 
 
@@ -174,11 +175,12 @@ def test_a_heading_does_not_matter() -> None:
 
 def test_dead_and_blocked_motors() -> None:
     plant = BasePlant(BASES["omni 4"], DRIVE)
-    plant.states["motor"][0], plant.states["motor"][1] = DEAD, BLOCKED
+    break_motor(plant.states[0], 0, DEAD)
+    break_motor(plant.states[0], 1, BLOCKED)
     log = plant.drive_open(np.tile([6.0, 6.0, 6.0, 6.0], (500, 1)))
     assert (log.currents[:, 0] == 0.0).all()
-    assert abs(plant.states["speed"][0]) > 5.0  # dragged along
-    assert abs(plant.states["speed"][1]) < 1e-6
+    assert abs(plant.states["speed"][0, 0]) > 5.0  # dragged along
+    assert abs(plant.states["speed"][0, 1]) < 1e-6
 
 
 def test_the_wheel_on_ice_is_the_one_that_spins() -> None:

@@ -13,6 +13,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from holonom.trace.compiled import select, sincos
+
 __all__ = [
     "JAMMED",
     "OPEN",
@@ -132,7 +134,7 @@ def keeping_step(
     `u = R(e_theta) u_ref + K e + I`: the reference twist turned into the true heading, plus PI on the pose error in
     robot axes (Kanayama's error coordinates). The correction is limited, and the integral takes no more than that.
     """
-    c, s = math.cos(pose.turn), math.sin(pose.turn)
+    s, c = sincos(pose.turn)
     wx, wy = reference[0] - pose.x, reference[1] - pose.y
     turn = reference[2] - pose.turn
     turn -= 2.0 * math.pi * math.floor(turn / (2.0 * math.pi) + 0.5)
@@ -145,7 +147,7 @@ def keeping_step(
     px, py = params.position_gain * wx + ix, params.position_gain * wy + iy
     px, py = _shorten(c * px + s * py, c * py - s * px, params.max_correction)
     pt = _clip(params.heading_gain * turn + it, params.max_turn_correction)
-    d, e = math.cos(turn), math.sin(turn)
+    e, d = sincos(turn)
     ux, uy = d * reference[3] - e * reference[4] + px, e * reference[3] + d * reference[4] + py
     ut = reference[5] + pt
     b = dt * turn_rate
@@ -272,7 +274,7 @@ def estimate_step(
 def pose_step(pose: Planar, twist: Planar, dt: float) -> Planar:
     """Dead reckoning: a constant twist (base_link) along its chord, at the mean heading, shortened as the arc's."""
     half = 0.5 * dt * twist.turn
-    c, s = math.cos(pose.turn + half), math.sin(pose.turn + half)
+    s, c = sincos(pose.turn + half)
     chord = dt * (1.0 - half * half / 6.0)
     return Planar(
         pose.x + chord * (c * twist.x - s * twist.y),
@@ -294,11 +296,11 @@ def traction_step(params: TractionParams, cut: float, slip: float, force: float)
     Slip in the direction of the force beyond what is left alone takes force away, the faster the more of it; below
     it force comes back slowly.
     """
-    excess = (slip if force >= 0.0 else -slip) - params.free_slip
-    if excess > 0.0:
-        span = params.max_slip - params.free_slip
-        return max(cut - params.dt * params.cut_rate * min(excess / span, 1.0), 0.0)
-    return min(cut + params.dt * params.recovery_rate, 1.0)
+    excess = select(force >= 0.0, slip, -slip) - params.free_slip
+    span = params.max_slip - params.free_slip
+    less = cut - params.dt * params.cut_rate * min(excess / span, 1.0)
+    more = cut + params.dt * params.recovery_rate
+    return select(excess > 0.0, max(less, 0.0), min(more, 1.0))
 
 
 @njit(cache=True, error_model="numpy")

@@ -11,6 +11,8 @@ from typing import NamedTuple
 
 from numba import njit
 
+from holonom.trace.compiled import select
+
 __all__ = [
     "COUNTER_SIZE",
     "ArmatureParams",
@@ -93,7 +95,7 @@ def armature_step(params: ArmatureParams, current: float, voltage: float, speed:
 @njit(cache=True)
 def friction_torque(params: FrictionParams, speed: float) -> float:
     """Torque (N m) that opposes the motion, to be subtracted: `B w + T_c w / sqrt(w^2 + e^2)`."""
-    coulomb = params.coulomb_positive if speed > 0.0 else params.coulomb_negative
+    coulomb = select(speed > 0.0, params.coulomb_positive, params.coulomb_negative)
     sign = speed / math.sqrt(speed * speed + params.smoothing * params.smoothing)
     return params.viscous * speed + coulomb * sign
 

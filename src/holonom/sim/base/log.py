@@ -139,6 +139,7 @@ def log_of(
         *_slip_events(time, status, said[:, FLAGGED], named, names),
         *_lost_events(time, dead, jammed, body["rate"], names),
     ]
+    of_wheels = {name: wheels[name].reshape(len(wheels), -1)[:, : len(names)] for name in wheels.dtype.names or ()}
     columns = body.view(np.float64).reshape(len(body), -1)
     groups, first = {}, 0
     for name, fields in BODY_GROUPS.items():
@@ -154,18 +155,18 @@ def log_of(
         reference_pose=groups["reference_pose"],
         reference_twist=groups["reference_twist"],
         rate=groups["rate"][:, 0],
-        wheel_speeds=wheels["speed"],
-        measured_speeds=wheels["measured_speed"],
-        reference_speeds=wheels["reference_speed"],
-        currents=wheels["current"],
-        measured_currents=wheels["measured_current"],
-        voltages=wheels["voltage"],
-        forces=wheels["force"],
-        cross_forces=wheels["cross_force"],
-        loads=wheels["load"],
-        friction_limits=wheels["friction_limit"],
-        slip=wheels["slip"],
-        residuals=wheels["measured_speed"] @ (np.zeros((len(names),) * 2) if residual is None else residual.T),
+        wheel_speeds=of_wheels["speed"],
+        measured_speeds=of_wheels["measured_speed"],
+        reference_speeds=of_wheels["reference_speed"],
+        currents=of_wheels["current"],
+        measured_currents=of_wheels["measured_current"],
+        voltages=of_wheels["voltage"],
+        forces=of_wheels["force"],
+        cross_forces=of_wheels["cross_force"],
+        loads=of_wheels["load"],
+        friction_limits=of_wheels["friction_limit"],
+        slip=of_wheels["slip"],
+        residuals=of_wheels["measured_speed"] @ (np.zeros((len(names),) * 2) if residual is None else residual.T),
         status=status,
         named=named,
         dead=dead,

@@ -8,17 +8,12 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["log_body", "log_reference", "log_wheel", "log_wheels"]
+from holonom.trace.simd import packed
+
+__all__ = ["log_body", "log_reference", "log_wheels"]
 
 Floats = NDArray[np.float64]
 Records = NDArray[np.void]
-
-
-@njit(cache=True, error_model="numpy", forceinline=True)
-def log_wheels(wheels: Records, states: Records, rows: Records) -> None:
-    """Log all wheels, each in its row."""
-    for i in range(len(wheels)):
-        log_wheel(wheels[i], states[i], rows[i])
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
@@ -47,10 +42,12 @@ def log_body(base: Any, gyro: float, imu_x: float, imu_y: float, row: Any) -> No
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def log_wheel(wheel: Any, own: Any, row: Any) -> None:
-    """Log a wheel: motor, forces on the floor, slip."""
-    row.speed = own.speed
-    row.measured_speed = own.seen_speed / wheel.gear.ratio
-    row.current, row.measured_current, row.voltage = own.current, own.measured_current, own.voltage
-    row.force, row.cross_force, row.load, row.slip = own.along, own.across, own.load, own.slip
-    row.friction_limit = own.load * own.material.peak
+def log_wheels(wheels: Records, states: Records, rows: Records) -> None:
+    """Log all wheels, four in each row: motor, forces on the floor, slip."""
+    for i in range(len(wheels)):
+        wheel, own, row = packed(wheels[i]), packed(states[i]), packed(rows[i])
+        row.speed = own.speed
+        row.measured_speed = own.seen_speed / wheel.gear.ratio
+        row.current, row.measured_current, row.voltage = own.current, own.measured_current, own.voltage
+        row.force, row.cross_force, row.load, row.slip = own.along, own.across, own.load, own.slip
+        row.friction_limit = own.load * own.material.peak

@@ -18,7 +18,16 @@ from holonom.sim.base.floor import Floor, floor_table
 from holonom.sim.base.kernels import BLOCKED, DEAD, GRAVITY
 from holonom.sim.base.log import BaseLog, log_of
 from holonom.sim.base.loop import drive_open
-from holonom.sim.base.records import BODY, BODY_SAMPLE, BODY_STATE, WHEEL, WHEEL_SAMPLE, WHEEL_STATE, aligned_records
+from holonom.sim.base.records import (
+    BODY,
+    BODY_SAMPLE,
+    BODY_STATE,
+    WHEEL,
+    WHEEL_SAMPLE,
+    WHEEL_STATE,
+    aligned_records,
+    side_by_side,
+)
 
 __all__ = ["FAULTS", "TICK", "BaseDrive", "BasePlant"]
 
@@ -72,7 +81,7 @@ class BaseDrive:
 
 
 class BasePlant:
-    """A base on a floor. Mutable state: `state` and `states` (records), `ticks`.
+    """A base on a floor. Mutable state: `state` and `states` (records, four wheels in each), `ticks`.
 
     Parameters
     ----------
@@ -107,12 +116,17 @@ class BasePlant:
         dt = TICK / substeps
         self.body = aligned_records([(self.mass, self.inertia, base.com_height, dt, substeps)], BODY)
         reach = max(math.hypot(wheel.x, wheel.y) for wheel in self.driven)
-        self.wheels = aligned_records([_wheel_row(w, drive, self.loop, dt, reach) for w in self.driven], WHEEL)
         self.support = _support(base, self.driven)
+        self.radii = np.array([wheel.radius for wheel in self.driven])
+        """(m,) m, of the driven wheels."""
+        of_wheel = zip(self.driven, self.support, self.rows, strict=False)
+        rows = [_wheel_row(w, share, row, drive, self.loop, dt, reach) for w, share, row in of_wheel]
+        self.wheels = side_by_side(np.array(rows, WHEEL), share=0.0, share_x=0.0, share_y=0.0)
         self.floor, self.patches = floor_table(floor)
         self.state = aligned_records(np.zeros(1, BODY_STATE), BODY_STATE)
-        self.states = aligned_records(np.zeros(len(self.driven), WHEEL_STATE), WHEEL_STATE)
-        self.states["cut"] = self.states["weight"] = 1.0
+        states = np.zeros(len(self.driven), WHEEL_STATE)
+        states["conducts"] = states["works"] = states["cut"] = 1.0
+        self.states = side_by_side(states, conducts=0.0, works=0.0)
         self.ticks = 0
         self.place((0.0, 0.0, 0.0))
 
@@ -129,10 +143,10 @@ class BasePlant:
                 state[name] = state[f"seen_{name}"] = value
         for name in ("vx", "vy", "w"):
             state[f"command_{name}"] = state[name]
-        states["speed"] = self.rows @ np.asarray(twist, float) / self.wheels["radius"]
+        states["speed"].flat[: len(self.driven)] = self.rows @ np.asarray(twist, float) / self.radii
         turns = self.wheels["gear"]["ratio"] * states["angle"] * self.wheels["encoder"]["counts_per_rad"]
         states["count"] = np.floor(turns).astype(np.int64)
-        states["seen_angle"] = (states["count"] + 0.5) * self.wheels["encoder"]["resolution"]
+        states["seen_angle"] = states["counted"] = (states["count"] + 0.5) * self.wheels["encoder"]["resolution"]
         states["seen_speed"] = self.wheels["gear"]["ratio"] * states["speed"]
 
     def drive_open(self, voltages: ArrayLike) -> BaseLog:
@@ -146,12 +160,12 @@ class BasePlant:
             Voltages of another shape, or not finite.
         """
         u = np.ascontiguousarray(voltages, float)
-        m = len(self.wheels)
+        m = len(self.driven)
         if u.ndim != 2 or u.shape[1] != m or not np.isfinite(u).all():
             raise ShapeError(f"voltages have shape {u.shape}; they must be (N, {m}), finite: one column per motor")
-        body_log, wheel_log = np.zeros(len(u), BODY_SAMPLE), np.zeros((len(u), m), WHEEL_SAMPLE)
+        body_log, wheel_log = np.zeros(len(u), BODY_SAMPLE), np.zeros((len(u), len(self.wheels)), WHEEL_SAMPLE)
         drive_open(
-            self.body, self.state, self.wheels, self.states, self.support, self.floor, self.patches, u,
+            self.body, self.state, self.wheels, self.states, self.passive, self.floor, self.patches, u,
             body_log, wheel_log,
         )  # fmt: skip
         time = self.time + TICK * np.arange(len(u), dtype=np.float64)
@@ -165,19 +179,23 @@ class BasePlant:
         return float(body + 0.5 * (self.wheels["inertia"] * self.states["speed"] ** 2).sum())
 
     @property
+    def passive(self) -> Array:
+        """(k, 3) rows of `support` of what bears load beside the driven wheels."""
+        return self.support[len(self.driven) :]
+
+    @property
     def push(self) -> Array:
         """(m,) N along its rim per ampere of each motor."""
         motor, gear = self.drive.motor, self.drive.gear
-        force: Array = motor.torque_constant * gear.ratio * gear.efficiency / self.wheels["radius"]
+        force: Array = motor.torque_constant * gear.ratio * gear.efficiency / self.radii
         return force
 
     def max_force(self, friction: float) -> float:
         """Force (N) along its rim that a wheel can be asked for: its motor's, or what an assumed friction carries."""
         motor = self.drive.motor
         torque = motor.torque_constant * min(motor.max_current, motor.max_voltage / motor.resistance)
-        radius = max(wheel.radius for wheel in self.driven)
         load = self.mass * GRAVITY * float(self.support[: len(self.driven), 0].min())
-        return min(abs(self.drive.gear.ratio) * self.drive.gear.efficiency * torque / radius, friction * load)
+        return min(abs(self.drive.gear.ratio) * self.drive.gear.efficiency * torque / self.radii.max(), friction * load)
 
     def wheel_index(self, wheel: int | str) -> int:
         """Index of a driven wheel given by name or index.
@@ -240,7 +258,9 @@ def _wheel_loop(base: WheelBase, drive: BaseDrive, rows: Array, mass: float, ine
     return tune_wheel(axis, at_motor * drive.inertia, dt=TICK)
 
 
-def _wheel_row(wheel: Wheel, drive: BaseDrive, loop: WheelLoop, dt: float, reach: float) -> tuple[object, ...]:
+def _wheel_row(
+    wheel: Wheel, share: Array, row: Array, drive: BaseDrive, loop: WheelLoop, dt: float, reach: float
+) -> tuple[object, ...]:
     gamma = wheel.roller_angle
     ratio, efficiency = drive.gear.ratio, drive.gear.efficiency
     armature = drive.motor.armature(dt)
@@ -252,8 +272,8 @@ def _wheel_row(wheel: Wheel, drive: BaseDrive, loop: WheelLoop, dt: float, reach
         *along, wheel.x * along[1] - wheel.y * along[0],
         *across, wheel.x * across[1] - wheel.y * across[0],
         wheel.radius * math.cos(gamma), -wheel.radius * math.sin(gamma),
-        wheel.radius, reach, ratio * efficiency, ratio / efficiency, slope,
-        wheel.kind == "swedish", drive.roller_drag, drive.inertia, drive.motor.torque_constant,
+        *row, wheel.radius, reach, ratio * efficiency, ratio / efficiency, slope,
+        wheel.kind == "swedish", drive.roller_drag, *share, drive.inertia, drive.motor.torque_constant,
         tuple(armature), tuple(drive.friction.params(COULOMB_SMOOTHING)), tuple(drive.gear.params()),
         tuple(drive.encoder.params()), tuple(tracking_params(loop.observer_bandwidth, TICK)), tuple(loop.speed),
     )  # fmt: skip

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from holonom.sim.arm.records import AXIS
 from holonom.sim.base.floor import MATERIAL
+from holonom.trace.simd import WIDTH
 
 __all__ = [
     "BODY",
@@ -23,6 +24,7 @@ __all__ = [
     "WHEEL_SAMPLE",
     "WHEEL_STATE",
     "aligned_records",
+    "side_by_side",
 ]
 
 F = np.float64
@@ -48,7 +50,35 @@ def aligned_records(rows: Any, dtype: np.dtype[np.void]) -> NDArray[np.void]:
     return records
 
 
-WHEEL = _padded(
+def side_by_side(rows: NDArray[np.void], **filling: float) -> NDArray[np.void]:
+    """Lay records side by side, four in one, for `trace.simd.packed`.
+
+    The last row is repeated until the four are full, with other values of the fields in `filling`.
+    """
+    count = -(-len(rows) // WIDTH)
+    blocks = aligned_records([()] * count, _in_lanes(rows.dtype))
+    _lay(blocks, rows[np.minimum(np.arange(count * WIDTH), len(rows) - 1)].reshape(count, WIDTH))
+    for name, value in filling.items():
+        blocks[name].flat[len(rows) :] = value
+    return blocks
+
+
+def _in_lanes(dtype: np.dtype[np.void]) -> np.dtype[np.void]:
+    """A record of four records: each number is an array (4,)."""
+    return np.dtype(
+        [(name, _in_lanes(dtype[name]) if dtype[name].names else (dtype[name], (WIDTH,))) for name in dtype.names or ()]
+    )
+
+
+def _lay(blocks: NDArray[np.void], rows: NDArray[np.void]) -> None:
+    for name in rows.dtype.names or ():
+        if rows.dtype[name].names:
+            _lay(blocks[name], rows[name])
+        else:
+            blocks[name] = rows[name]
+
+
+WHEEL = np.dtype(
     [
         ("x", F),  # contact point in base_link, m
         ("y", F),
@@ -60,13 +90,19 @@ WHEEL = _padded(
         ("across_arm", F),
         ("along_radius", F),  # slip along and across per wheel speed, m: r cos(gamma), -r sin(gamma)
         ("across_radius", F),
+        ("rim_x", F),  # row of D: rim speed (m/s) per (vx, vy, w)
+        ("rim_y", F),
+        ("rim_turn", F),
         ("radius", F),
         ("reach", F),  # of the base: from its origin to the farthest contact, m
         ("gain", F),  # gear: wheel torque per motor torque, driving and driven back
         ("gain_back", F),
         ("current_slope", F),  # A s/rad that back-emf takes in a step as the motor turns faster
-        ("rollers", np.int64),  # 1 or 0: across: rollers with bearing drag, or tyre with friction
+        ("rollers", F),  # 1 or 0: across: rollers with bearing drag, or tyre with friction
         ("roller_drag", F),  # drag over wheel load
+        ("share", F),  # of the weight, and of its moments (1/m), that the wheel bears
+        ("share_x", F),
+        ("share_y", F),
         ("inertia", F),  # wheel and geared rotor, kg m2
         ("torque_constant", F),  # N m/A
         ("armature", AXIS["armature"]),
@@ -82,13 +118,14 @@ WHEEL = _padded(
 BODY = np.dtype([("mass", F), ("inertia", F), ("height", F), ("dt", F), ("substeps", np.int64)])
 """The rigid body: kg, kg m2, height of its centre of mass (m); step of the plant (s), steps per millisecond."""
 
-WHEEL_STATE = _padded(
+WHEEL_STATE = np.dtype(
     [
         ("speed", F),  # wheel, rad/s
         ("angle", F),  # wheel, rad
         ("current", F),  # A
         ("voltage", F),  # V, asked of the power stage
-        ("motor", np.int64),  # one of MOTORS
+        ("conducts", F),  # 1 or 0: current can flow in the motor, or its winding is open
+        ("jam", F),  # kg m2 that are added to a wheel that cannot turn
         ("along", F),  # force on the base, N
         ("across", F),
         ("slip", F),  # along, m/s: rim faster than ground
@@ -101,6 +138,7 @@ WHEEL_STATE = _padded(
         ("across_stiffness", F),
         ("yielding", F),  # change of wheel speed in a step per torque, with its own slip, s/(kg m2)
         ("count", np.int64),  # what the controller knows: counter, observer (motor side)
+        ("counted", F),  # motor angle at the middle of the count, rad
         ("seen_angle", F),
         ("seen_speed", F),
         ("seen_load", F),
@@ -111,10 +149,13 @@ WHEEL_STATE = _padded(
         ("measured_current", F),
         ("modelled_current", F),
         ("open", F),  # s for which no current flowed where there must be some
-        ("jam", F),  # s for which it stood where it must not
+        ("stuck", F),  # s for which it stood where it must not
         ("lost", np.int64),  # what the watch says: WORKS, OPEN, JAMMED
+        ("works", F),  # 1 or 0: it is driven, or lost
+        ("force_x", F),  # rim force (N) that is asked of it per (N, N, N m) on the base
+        ("force_y", F),
+        ("force_turn", F),
         ("cut", F),  # traction control: part of the drive force that is left, 0 to 1
-        ("weight", F),  # in allocation and velocity estimate: 1 works, 0 is left out
     ]
 )
 """State of one driven wheel: plant first, then its controller."""
@@ -157,7 +198,7 @@ BODY_STATE = _padded(
 
 WHEEL_SAMPLE = np.dtype(
     [
-        (name, F)
+        (name, F, (WIDTH,))
         for name in (
             "speed",
             "measured_speed",
@@ -173,7 +214,7 @@ WHEEL_SAMPLE = np.dtype(
         )
     ]
 )
-"""One wheel at one millisecond."""
+"""Four wheels at one millisecond."""
 
 BODY_GROUPS = {
     "pose": ("x", "y", "theta"),

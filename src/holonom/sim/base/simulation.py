@@ -25,6 +25,7 @@ from holonom.sim.base.loop import CUT_OFF, DONE, STOPPED, LoopParams, SensorPara
 from holonom.sim.base.paths import ReferencePath
 from holonom.sim.base.plant import FAULTS, TICK, BaseDrive, BasePlant
 from holonom.sim.base.records import BODY_SAMPLE, WHEEL_SAMPLE
+from holonom.trace.simd import WIDTH
 
 __all__ = ["BaseFault", "BaseSensors", "BaseSettings", "Creep", "simulate_base", "slip_settings"]
 
@@ -211,10 +212,11 @@ def simulate_base(
     if np.linalg.matrix_rank(plant.rows) < 3:
         raise ModelError(f"base {base.name!r} cannot move in all directions; this path keeping needs one that can")
     reference = np.ascontiguousarray(np.hstack([path.pose, path.twist, path.acceleration]), float)
-    n, m = math.ceil(len(reference) / SLOWEST), len(plant.driven)
+    n = math.ceil(len(reference) / SLOWEST)
     plant.place(reference[0, :3], reference[0, 3:6])
     table = sorted((round(f.time / TICK), plant.wheel_index(f.wheel), FAULTS[f.kind]) for f in faults)
-    body_log, wheel_log, said = np.zeros(n, BODY_SAMPLE), np.zeros((n, m), WHEEL_SAMPLE), np.zeros((n, 4), np.int64)
+    body_log, wheel_log = np.zeros(n, BODY_SAMPLE), np.zeros((n, len(plant.wheels)), WHEEL_SAMPLE)
+    said = np.zeros((n, 4), np.int64)
     params = _loop_params(plant, settings, floor)
     done, ending, phase = run_loop(
         params,
@@ -223,7 +225,7 @@ def simulate_base(
         plant.state,
         plant.wheels,
         plant.states,
-        plant.support,
+        plant.passive,
         plant.floor,
         plant.patches,
         reference,
@@ -236,7 +238,7 @@ def simulate_base(
     time, ended, driven = TICK * np.arange(done, dtype=np.float64), ENDINGS[ending], _driven(path, phase)
     events = [Event(f.time, "warning", "plant", _fault_text(f, plant)) for f in faults]
     events += _ending_events(ended, driven, TICK * (done - 1))
-    logs, residual = (body_log[:done], wheel_log[:done], said[:done]), params.residual * plant.wheels["radius"]
+    logs, residual = (body_log[:done], wheel_log[:done], said[:done]), params.residual * plant.radii
     return log_of(time, *logs, base.driven, events, residual=residual, ended=ended, driven=driven)
 
 
@@ -246,7 +248,7 @@ def _loop_params(plant: BasePlant, settings: BaseSettings, floor: Floor) -> Loop
     inverse = np.linalg.pinv(coupling.velocity)
     slip = settings.slip
     if slip is None or isinstance(slip, str):
-        slip = slip_settings(settings.sensors, plant.drive, float(plant.wheels["radius"].max()))
+        slip = slip_settings(settings.sensors, plant.drive, float(plant.radii.max()))
     slipping = slip_params(coupling, slip)
     creep = settings.creep or Creep(floor.material.creep, floor.material.peak or 1.0)
     loads = plant.mass * GRAVITY * plant.support[: len(plant.driven), 0]
@@ -260,7 +262,7 @@ def _loop_params(plant: BasePlant, settings: BaseSettings, floor: Floor) -> Loop
         residual=np.eye(len(plant.rows)) - coupling.velocity @ inverse,
         inverse=np.ascontiguousarray(inverse),
         quiet=_quiet(slip, slipping),
-        push=plant.push / (loads * creep.grip),
+        push=np.append(plant.push / (loads * creep.grip), np.zeros(-len(loads) % WIDTH)),
         creep=creep.slope * creep.grip,
         mass=plant.mass,
         inertia=plant.inertia,

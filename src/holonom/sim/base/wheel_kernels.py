@@ -1,0 +1,173 @@
+"""Wheels of a base in the compiled loop: sensors, watch, force and speed of each, four at once in a register.
+
+What is called `wheel` and `own` is four wheels and their states, `packed`. Whole numbers are taken lane by lane.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from holonom.control.base_kernels import (
+    JAMMED,
+    WORKS,
+    Planar,
+    Suspicion,
+    TractionParams,
+    WatchParams,
+    allocation,
+    traction_step,
+    watch_step,
+    watch_verdict,
+    within_slip,
+)
+from holonom.control.kernels import speed_step
+from holonom.devices.kernels import (
+    EncoderParams,
+    TrackingState,
+    count_angle,
+    encoder_counter,
+    extend_counter,
+    friction_torque,
+    tracking_step,
+)
+from holonom.mobile.drive.slip_kernels import NO_SLIP
+from holonom.trace.compiled import select
+from holonom.trace.simd import WIDTH, largest, packed
+
+__all__ = [
+    "control_traction",
+    "creep",
+    "drive_wheels",
+    "driven_part",
+    "rim_force",
+    "rim_speed",
+    "sense",
+    "set_weights",
+    "share_force",
+    "watch_motors",
+]
+
+SLIPPING_WEIGHT = 0.3  # in the allocation of force: a wheel on ice is asked last
+Floats = NDArray[np.float64]
+Records = NDArray[np.void]
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def sense(wheels: Any, states: Any, current_noise: Any) -> None:
+    """Encoders, observers and shunts of four wheels; their rim speeds, m/s."""
+    wheel, own = packed(wheels), packed(states)
+    for lane in range(WIDTH):
+        encoder = EncoderParams(wheels.encoder.counts_per_rad[lane], wheels.encoder.resolution[lane])
+        counter = encoder_counter(encoder, wheels.gear.ratio[lane] * states.angle[lane])
+        states.count[lane] = extend_counter(states.count[lane], counter)
+        states.counted[lane] = count_angle(encoder, states.count[lane])
+    before = TrackingState(own.seen_angle, own.seen_speed, own.seen_load)
+    after = tracking_step(wheel.tracking, before, own.counted, 0.0)
+    own.seen_angle, own.seen_speed, own.seen_load = after.angle, after.speed, after.load
+    own.measured_current = own.current + current_noise
+    own.modelled_current = wheel.armature.conductance * (own.voltage - wheel.armature.back_emf * after.speed)
+    own.rim = wheel.radius * after.speed / wheel.gear.ratio
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def watch_motors(params: WatchParams, wheels: Records, states: Records, m: int, base: Any, held: bool) -> int:
+    """Set (bit i: wheel i) of the motors that do not do as they are told; once lost they stay so.
+
+    A jammed wheel holds the base (`held`), so that others may stand, too: they are not suspected of a jam any more.
+    """
+    lost = 0
+    for i in range(m):
+        wheel, own, lane = wheels[i // WIDTH], states[i // WIDTH], i % WIDTH
+        if own.lost[lane] == WORKS:
+            reference = wheel.gear.ratio[lane] * own.rim_reference[lane] / wheel.radius[lane]
+            explained = base.status != NO_SLIP and base.flagged != 1 << i
+            before = Suspicion(own.open[lane], own.stuck[lane])
+            after = watch_step(
+                params, before, own.measured_current[lane], own.modelled_current[lane], own.seen_speed[lane],
+                reference, explained,
+            )  # fmt: skip
+            after = Suspicion(after.open, 0.0 if held else after.jam)
+            own.open[lane], own.stuck[lane] = after.open, after.jam
+            own.lost[lane] = watch_verdict(params, after)
+        if own.lost[lane] != WORKS:
+            own.works[lane] = 0.0
+            lost |= 1 << i
+    return lost
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def set_weights(traction: bool, states: Records, named: int, trust: Floats, weights: Floats) -> int:
+    """Which wheels are believed (one without current turns freely) and asked for force; set of those that jam."""
+    jams = 0
+    for i in range(len(trust)):
+        slips, lost = (named >> i) & 1 == 1, states[i // WIDTH].lost[i % WIDTH]
+        jams |= (1 << i) if lost == JAMMED else 0
+        trust[i] = 0.0 if slips or lost == JAMMED else 1.0
+        weights[i] = 0.0 if lost != WORKS else SLIPPING_WEIGHT if slips and traction else 1.0
+    return jams
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def share_force(rows: Floats, weights: Floats, share: Floats, states: Records) -> None:
+    """Share the force on the base among the wheels, in `share` (m, 3) and in their states."""
+    allocation(rows, weights, share)
+    for i in range(len(share)):
+        own, lane = states[i // WIDTH], i % WIDTH
+        own.force_x[lane], own.force_y[lane], own.force_turn[lane] = share[i, 0], share[i, 1], share[i, 2]
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def rim_force(own: Any, force: Planar) -> Any:
+    """Rim force (N) that is asked of a wheel, for a force on the base (N, N, N m)."""
+    return own.force_x * force.x + own.force_y * force.y + own.force_turn * force.turn
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def rim_speed(wheel: Any, twist: Planar) -> Any:
+    """Rim speed (m/s) of a wheel that does not slip while the base has a twist."""
+    return wheel.rim_x * twist.x + wheel.rim_y * twist.y + wheel.rim_turn * twist.turn
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def driven_part(states: Records, force: Planar, limit: float) -> float:
+    """Part (0 to 1) of a wanted force (N, N, N m) that no wheel needs more than `limit` (N) for, by its shares."""
+    worst = limit
+    for i in range(len(states)):
+        worst = max(worst, largest(abs(rim_force(packed(states[i]), force))))
+    return limit / worst
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def control_traction(params: TractionParams, wheel: Any, own: Any, ground: float, force: float) -> float:
+    """Hold the commanded rim speed near the floor's; return the drive force (N) that is left."""
+    own.cut = traction_step(params, own.cut, own.rim - ground, own.current_reference * wheel.gear.ratio)
+    own.rim_reference = within_slip(params, own.rim_reference, ground)
+    return own.cut * force
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def drive_wheels(wheel: Any, own: Any, force: float, acceleration: float) -> None:
+    """Speed loop and voltage of a wheel, fed forward the force (N) and acceleration (m/s2) of its rim."""
+    ratio, r = wheel.gear.ratio, wheel.radius
+    speed = ratio * own.rim_reference / r
+    torque = (force * r + wheel.inertia * acceleration / r) / (ratio * wheel.gear.efficiency)
+    ahead = (torque + friction_torque(wheel.friction, speed)) / wheel.torque_constant
+    current, integral = speed_step(wheel.speed_loop, own.integral, speed, own.seen_speed, ahead)
+    supply, works = wheel.armature.max_voltage, own.works > 0.0
+    voltage = current / wheel.armature.conductance + wheel.armature.back_emf * own.seen_speed
+    own.voltage = select(works, min(max(voltage, -supply), supply), 0.0)
+    own.current_reference, own.integral = select(works, current, 0.0), select(works, integral, 0.0)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def creep(full: float, used: float) -> float:
+    """Slip (m/s) of a gripping wheel that uses a part of its grip; half as much again with all of it.
+
+    Nearly the magic formula's, which rises without bound towards the peak.
+    """
+    part = min(max(used, -1.0), 1.0)
+    return full * part * (1.0 + 0.5 * part * part)
