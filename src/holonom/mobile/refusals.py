@@ -36,11 +36,10 @@ def dragged_wheel(base: WheelBase, twist: ArrayLike, steering: ArrayLike | None,
 
 def beyond_steering(base: WheelBase, steering: Array, limits: list[float]) -> OutOfLimits | None:
     """Name the first steering angle (..., k) that exceeds its limit, rad; None if none does."""
-    for limit, name, angles in zip(limits, base.steered, np.moveaxis(steering, -1, 0), strict=True):
-        if limit < math.pi / 2 and np.abs(angles).max(initial=0.0) > limit + 1e-9:
+    for k, (limit, name) in enumerate(zip(limits, base.steered, strict=True)):
+        if limit < math.pi / 2 and (most := np.abs(steering[..., k]).max(initial=0.0)) > limit + 1e-9:
             return OutOfLimits(
-                f"{name!r} would have to steer {np.abs(angles).max():.4g} rad; its max_steering is "
-                f"{limit:.4g} rad: ask for a wider turn"
+                f"{name!r} would have to steer {most:.4g} rad; its max_steering is {limit:.4g} rad: ask for a wider turn"
             )
     return None
 
