@@ -13,10 +13,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from holonom.errors import OutOfLimits, ShapeError, UnknownName
+from holonom.errors import OutOfLimits, ShapeError
+from holonom.mechanics import svd
 from holonom.mechanics.arm import Arm
-from holonom.mechanics.equations.puma_geometry import puma_geometry
 from holonom.mechanics.equations.vectors import Vector, add, cross, matvec
+from holonom.mechanics.singularity_kernels import NAMED, measures_of, rows_of
 from holonom.trace import Number, compile, real_array
 
 __all__ = [
@@ -37,7 +38,6 @@ __all__ = [
 
 Array = NDArray[np.float64]
 Part = Literal["all", "translation", "rotation"]
-ROWS = {"all": slice(0, 6), "translation": slice(0, 3), "rotation": slice(3, 6)}
 LOST = 1e-6
 """Singular value below which a direction counts as lost (m or 1 per rad)."""
 
@@ -65,34 +65,31 @@ class Singularity:
 
 
 def _part(arm: Arm, q: ArrayLike, part: Part) -> Array:
-    if part not in ROWS:
-        raise UnknownName("part of the Jacobian", str(part), ROWS)
-    return arm.jacobian(q)[..., ROWS[part], :]
+    rows, J = rows_of(part), arm.jacobian(q)
+    return J if part == "all" else J[..., rows, :]
 
 
 def singular_values(arm: Arm, q: ArrayLike, part: Part = "all") -> Array:
     """Singular values of the Jacobian (..., min(m, n)), largest first; metres and radians mixed for "all"."""
-    return np.asarray(np.linalg.svd(_part(arm, q, part), compute_uv=False))
+    return svd.singular_values(_part(arm, q, part))
 
 
-def manipulability(arm: Arm, q: ArrayLike, part: Part = "all") -> Array:
+def manipulability(arm: Arm, q: ArrayLike, part: Part = "all", *, threads: int = 1) -> Array:
     """Yoshikawa's measure sqrt(det(J J^T)) (...); for arms of fewer joints than rows, of J^T J."""
-    return np.asarray(singular_values(arm, q, part).prod(axis=-1))
+    result: Array = arm.calls["manipulability", part](q, threads=threads)
+    return result
 
 
 def lost_directions(arm: Arm, q: ArrayLike, *, tolerance: float = LOST) -> Array:
     """Unit twists [v; w] in the world (k, 6) along which the tool cannot move at q (n,)."""
-    J = _one(arm, q)
-    U, s, _ = np.linalg.svd(J)
-    rank = int((s > tolerance).sum())
-    return np.asarray(U[:, rank:].T.copy())
+    U, s, _ = svd.svd(_one(arm, q))
+    return U[:, np.count_nonzero(s > tolerance) :].T.copy()
 
 
 def nullspace(arm: Arm, q: ArrayLike, *, tolerance: float = LOST) -> Array:
     """Orthonormal joint rates (n, k) that leave the tool at rest at q (n,)."""
-    _, s, Vt = np.linalg.svd(_one(arm, q))
-    rank = int((s > tolerance).sum())
-    return np.asarray(Vt[rank:].T.copy())
+    _, s, Vt = svd.svd(_one(arm, q))
+    return Vt[np.count_nonzero(s > tolerance) :].T.copy()
 
 
 def _one(arm: Arm, q: ArrayLike) -> Array:
@@ -104,8 +101,8 @@ def _one(arm: Arm, q: ArrayLike) -> Array:
 
 def velocity_ellipsoid(arm: Arm, q: ArrayLike, part: Literal["translation", "rotation"] = "translation") -> Ellipsoid:
     """Tool velocities that joint rates of norm 1 reach: radii in m/s (or rad/s) per rad/s."""
-    U, s, _ = np.linalg.svd(_part(arm, q, part))
-    radii = np.zeros((*s.shape[:-1], 3))
+    U, s, _ = svd.svd(_part(arm, q, part))
+    radii = np.zeros(U.shape[:-1])
     radii[..., : s.shape[-1]] = s
     return Ellipsoid(U, radii)
 
@@ -116,8 +113,8 @@ def force_ellipsoid(arm: Arm, q: ArrayLike, part: Literal["translation", "rotati
     A radius is infinite where a direction is lost: the structure carries the load, not the motors.
     """
     velocity = velocity_ellipsoid(arm, q, part)
-    with np.errstate(divide="ignore"):
-        radii = np.where(velocity.radii > LOST, 1.0 / velocity.radii, np.inf)
+    radii = np.full(velocity.radii.shape, np.inf)
+    np.divide(1.0, velocity.radii, out=radii, where=velocity.radii > LOST)
     return Ellipsoid(velocity.axes[..., ::-1], radii[..., ::-1])
 
 
@@ -127,53 +124,16 @@ def singularities(arm: Arm, q: ArrayLike, *, tolerance: float = 0.02) -> tuple[S
     A Puma-type arm has three (specification 1.4): shoulder (wrist centre at its least distance |d3| from axis 1,
     `a2 c2 + a3 c23 - d4 s23 = 0`, m), elbow (stretched or folded, `a3 s3 + d4 c3 = 0`, m) and wrist (`s5 = 0`).
     An arm of three parallel axes (UR) has the same three: shoulder (the point where axes 5 and 6 meet lies in the
-    plane of
-    axes 1 and 2, m), elbow (sine of the angle between upper arm and forearm), wrist (sine of the angle between
+    plane of axes 1 and 2, m), elbow (sine of the angle between upper arm and forearm), wrist (sine of the angle between
     axes 4 and 6). Any other arm has "smallest singular value".
     """
-    J = _one(arm, q)
-    direction = np.asarray(np.linalg.svd(J)[0][:, -1] if arm.n >= 6 else np.linalg.svd(J)[0][:, arm.n - 1])
-    measures = _puma_measures(arm, np.asarray(q, dtype=float)) or _parallel_measures(arm, q)
-    if measures is None:
-        measures = {"smallest singular value": float(np.linalg.svd(J, compute_uv=False)[-1])}
+    U, s, _ = svd.svd(_one(arm, q))
+    measures = {"smallest singular value": float(s[-1])}
+    if arm.made("named singularities", lambda: measures_of(arm.model) is not None):
+        measures = dict(zip(NAMED, arm.calls["singularity_measures"](q).tolist(), strict=True))
+    direction = U[:, len(s) - 1]
     found = [Singularity(name, value, abs(value) < tolerance, direction) for name, value in measures.items()]
     return tuple(sorted(found, key=lambda s: abs(s.value)))
-
-
-def _puma_measures(arm: Arm, q: Array) -> dict[str, float] | None:
-    k = arm.made("puma_geometry", lambda: puma_geometry(arm.model))
-    if k is None:
-        return None
-    s23, c23 = np.sin(q[1] + q[2]), np.cos(q[1] + q[2])
-    return {
-        "shoulder": float(k.a2 * np.cos(q[1]) + k.a3 * c23 - k.d4 * s23),
-        "elbow": float(k.a3 * np.sin(q[2]) + k.d4 * np.cos(q[2])),
-        "wrist": float(np.sin(q[4])),
-    }
-
-
-def _parallel_measures(arm: Arm, q: ArrayLike) -> dict[str, float] | None:
-    """Axes 2, 3, 4 parallel, axes 5 and 6 meeting (the closed form asks for it)."""
-    closed = arm.closed_form
-    if closed is None or closed.family != "three parallel axes":
-        return None
-    z, p = _axes(arm, q)
-    side = np.cross(z[0], z[1])
-    upper, fore = (np.cross(z[1], d) for d in (p[2] - p[1], p[3] - p[2]))  # across the axes, turned by 90 deg
-    across = np.cross(z[5], z[4])
-    meeting = p[5] + z[5] * (np.cross(p[4] - p[5], z[4]) @ across) / (across @ across)
-    return {
-        "shoulder": float((meeting - p[1]) @ side / np.linalg.norm(side)),
-        "elbow": float(np.dot(np.cross(upper, fore), z[1]) / np.linalg.norm(upper) / np.linalg.norm(fore)),
-        "wrist": float(np.linalg.norm(np.cross(z[3], z[5]))),
-    }
-
-
-def _axes(arm: Arm, q: ArrayLike) -> tuple[Array, Array]:
-    """Directions and points (n, 3) of the joint axes in the world at q (n,)."""
-    frames = arm.frames(q)
-    at = [frames[arm.model.parent(i) + 1] @ np.array(joint.before) for i, joint in enumerate(arm.model.joints)]
-    return np.array([T[:3, 2] for T in at]), np.array([T[:3, 3] for T in at])
 
 
 def joint_torques(arm: Arm, q: ArrayLike, wrench: ArrayLike, frame: str = "world") -> Array:

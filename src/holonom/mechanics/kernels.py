@@ -21,6 +21,7 @@ from holonom.mechanics.equations.vectors import Pose, Vector, matvec, transpose,
 from holonom.mechanics.ik_result import IkResult
 from holonom.mechanics.inverse_geometry import inverse_kernel
 from holonom.mechanics.regressor_kernel import regressor_kernel
+from holonom.mechanics.singularity_kernels import SINGULARITIES
 from holonom.model import ArmModel
 from holonom.trace import Kernel, Number, compile
 
@@ -177,6 +178,7 @@ KERNELS: Mapping[str, Builder] = {
     "inverse_geometry": _inverse_geometry,
     **{name: _of_bodies(build) for name, build in dynamics_kernels.DYNAMICS.items()},
     **jacobian_kernels.JACOBIANS,
+    **SINGULARITIES,
     "pose_task": pose_kernels.task,
     "criterion": pose_kernels.criterion,
 }
@@ -186,6 +188,7 @@ OPTIONS: Mapping[str, Options] = {
     "fk": {"frame": "tool"},
     **{name: {"frame": "world"} for name in ("jacobian", "joint_torques", *jacobian_kernels.FRAMED)},
     "analytic_jacobian": {"angles": None},
+    "manipulability": {"part": "all"},
     "inverse_dynamics": _LOADED,
     "forward_dynamics": _LOADED,
     **{name: {"friction": None} for name in dynamics_kernels.WITH_FRICTION},

@@ -47,6 +47,7 @@ def joint_vectors(name: str, q: ArrayLike, names: tuple[str, ...]) -> Array:
 
 STATUS: list[Any] = [np.int8(status) for status in IkStatus]
 """What a call returns for each status: the same object every time."""
+UNREACHABLE, SINGULAR = STATUS[IkStatus.UNREACHABLE], STATUS[IkStatus.SINGULAR]
 
 
 class Nearest:
@@ -74,10 +75,9 @@ class Nearest:
         if found is None:  # rows of them, lists, other numbers than floats
             return self._general(T, q0, joints)
         status = found[1]
-        if status is STATUS[IkStatus.SINGULAR]:
-            q = self._kept(T, found.q, np.asarray(q0), np.asarray(True))
-            return found._replace(q=q)
-        if status is STATUS[IkStatus.UNREACHABLE] and self._rows == 6:
+        if status is SINGULAR:
+            return found._replace(q=self._kept(T, found.q, np.asarray(q0), np.asarray(True)))
+        if status is UNREACHABLE and self._rows == 6:
             check_pose(T, "T")
         return found
 
@@ -131,8 +131,10 @@ class Nearest:
         """Singular branches with their free joints as in the reference, where that holds the target."""
         if not singular.any():
             return q
+        from holonom.mechanics.svd import svd  # compiled code, on first use
+
         arm, target = self._arm, np.asarray(T, dtype=float)
-        _, s, Vt = np.linalg.svd(arm.jacobian(q)[..., : self._rows, :])
+        _, s, Vt = svd(arm.jacobian(q)[..., : self._rows, :])
         spare = Vt.shape[-1] - s.shape[-1]
         s = np.concatenate([s, np.zeros((*s.shape[:-1], spare))], axis=-1)
         free = np.where(s[..., None] < FREE, Vt, 0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 
@@ -11,14 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 from holonom.errors import InputError, ShapeError
 from holonom.mechanics.arm import Arm
 from holonom.mechanics.nearest import joint_vectors
+from holonom.mechanics.velocity_kernels import AUTO, rates_of_one, rates_of_rows
 from holonom.spatial import check_pose
 from holonom.trace import real_array
 
 __all__ = ["PathResult", "follow_path", "joint_rates"]
 
 Array = NDArray[np.float64]
-NEAR = 0.02
-"""Smallest singular value, as a share of the largest one, below which automatic damping sets in."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,35 +62,38 @@ def joint_rates(
     -----
     Nakamura & Hanafusa (1986); Siciliano et al., Robotics, 3.5.2.
     """
-    J = arm.jacobian(q, frame)
-    wanted = real_array("twist", twist)
-    if wanted.shape[-1:] != (6,) or not np.isfinite(wanted).all():
-        raise ShapeError(f"twist must be finite and of shape (..., 6), [v; w]; shape {wanted.shape} came")
-    return _rates(J, wanted, _damping(damping))
+    return _rates(arm.jacobian(q, frame), twist, _damping(damping))
 
 
-def _damping(damping: str | float) -> float | None:
-    """Lambda, or None for the automatic one."""
+def _damping(damping: str | float) -> float:
     if damping == "auto":
-        return None
+        return AUTO
     if isinstance(damping, str) or not (math.isfinite(damping) and damping >= 0.0):
         raise InputError(f'damping is {damping!r}; "auto" or a number of at least 0 is needed')
     return float(damping)
 
 
-def _rates(J: Array, twist: Array, damping: float | None) -> Array:
-    """Sum of s / (s^2 + lambda^2) v u^T twist over the singular values s of J."""
-    U, s, Vt = np.linalg.svd(J, full_matrices=False)
-    if damping is None:
-        near = NEAR * s[..., :1]
-        square = np.maximum(near**2 - s[..., -1:] ** 2, 0.0)
-    else:
-        square = np.asarray(damping**2)
-    tiny = s <= 1e-12 * s[..., :1]  # directions that are lost altogether
-    gain = np.where(tiny, 0.0, s / np.where(tiny, 1.0, s**2 + square))
-    along = np.einsum("...ik,...i->...k", U, twist)
-    result: Array = np.einsum("...kj,...k->...j", Vt, gain * along)
-    return result
+def _rates(J: Array, twist: ArrayLike, damping: float) -> Array:
+    """Rates (..., n) for twists (..., 6), with lambda or `AUTO`."""
+    if J.ndim == 2:
+        found: Array | None = rates_of_one(J, twist, damping, _like(J.shape[1]))
+        if found is not None:
+            return found
+    wanted = real_array("twist", twist)
+    if wanted.shape[-1:] != (6,) or not np.isfinite(wanted).all():
+        raise ShapeError(f"twist must be finite and of shape (..., 6), [v; w]; shape {wanted.shape} came")
+    lead, n = np.broadcast_shapes(J.shape[:-2], wanted.shape[:-1]), J.shape[-1]
+    count, qd = math.prod(lead), np.empty((*lead, n))
+    rows = np.ascontiguousarray(np.broadcast_to(J, (*lead, 6, n))).reshape(count, 6, n)
+    twists = np.ascontiguousarray(np.broadcast_to(wanted, (*lead, 6))).reshape(count, 6)
+    rates_of_rows(rows, twists, damping, qd.reshape(count, n))
+    return qd
+
+
+@functools.cache
+def _like(n: int) -> Array:
+    """What the rates of one sample take after."""
+    return np.empty(n)
 
 
 def follow_path(
@@ -135,7 +138,7 @@ def _start(arm: Arm, q0: ArrayLike, lead: tuple[int, ...]) -> Array:
         raise ShapeError(f"q0 must broadcast to {(*lead, arm.n)}; shape {given.shape} came") from None
 
 
-def _follow(arm: Arm, start: Array, poses: Array, dt: float, gain: float, damping: float | None) -> PathResult:
+def _follow(arm: Arm, start: Array, poses: Array, dt: float, gain: float, damping: float) -> PathResult:
     count = poses.shape[-3]
     q = np.empty((*poses.shape[:-2], arm.n))
     qd = np.zeros_like(q)

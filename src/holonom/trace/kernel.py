@@ -183,13 +183,6 @@ class Kernel:
         """Calling the kernel, as a plain function: Python's way to `__call__` costs as much as a small kernel."""
         return _caller(self)
 
-    def into(self, arrays: Sequence[Any], out: Any) -> Any:
-        """Evaluate one sample into given arrays; None if it is something else."""
-        given = out if isinstance(out, tuple) else (out,)
-        if len(given) != len(self.outputs) or self.single(*arrays, *given) != 0:
-            return None
-        return self.result(*given)
-
     def general(self, arrays: Sequence[Any], out: Any, threads: int) -> Any:
         """Check, broadcast and evaluate whatever the one-sample forms did not take."""
         threads = check_threads(threads)
@@ -272,9 +265,16 @@ class Kernel:
 CALL = """
 def call({inputs}, /, *, out=None, threads=1):
     if threads == 1:
-        result = made({inputs}, like) if out is None else into(({inputs},), out)
-        if result is not None:
-            return result
+        if out is None:
+            found = made({inputs}, like)
+            if found is not None:
+                return found
+        else:
+            try:
+                if single({inputs}, {outputs}) == 0:
+                    return result({outputs})
+            except TypeError:  # not as many arrays as outputs
+                pass
     return general(({inputs},), out, threads)
 """
 
@@ -282,15 +282,24 @@ def call({inputs}, /, *, out=None, threads=1):
 def _caller(kernel: Kernel) -> Callable[..., Any]:
     """One sample at once, or else the general way; written out, for loops over arguments cost as much as a kernel.
 
-    The compiled form is loaded when it is first needed.
+    The compiled forms are loaded when they are first needed.
     """
 
-    def load(*arguments: Any) -> Any:
-        names["made"] = kernel.made
-        return kernel.made(*arguments)
+    def load(form: str) -> Callable[..., Any]:
+        def first(*arguments: Any) -> Any:
+            names[form] = getattr(kernel, form)
+            return names[form](*arguments)
+
+        return first
 
     like = kernel.result(*(np.empty(shape, kind) for shape, kind in kernel._allocate))
-    names: dict[str, Any] = {"like": like, "made": load, "into": kernel.into, "general": kernel.general}
-    exec(CALL.format(inputs=", ".join(f"in{k}" for k in range(len(kernel.inputs)))), names)
+    names = {"like": like, "result": kernel.result, "general": kernel.general} | {
+        f: load(f) for f in ("made", "single")
+    }
+    text = CALL.format(
+        inputs=", ".join(f"in{k}" for k in range(len(kernel.inputs))),
+        outputs="out" if len(kernel.outputs) == 1 else "*out",
+    )
+    exec(text, names)
     call: Callable[..., Any] = names["call"]
     return call

