@@ -56,13 +56,15 @@ def test_compiled_equals_floats_in_every_form(elementary):
     assert np.allclose(single, floats, rtol=1e-12, atol=1e-12)
 
 
-def test_batches_of_every_size_and_threads(elementary):
+def test_batches_of_every_size_and_threads(elementary, monkeypatch):
+    """Also those that are not worth a second thread."""
+    monkeypatch.setattr("holonom.trace.kernel.WORTH", 1)
     kernel, _ = elementary
     a = samples()[:300]
     whole = kernel(a)
-    for count in (0, 1, 2, 63, 64, 65, 128, 300):
+    for count in (0, 1, 2, 7, 8, 9, 15, 16, 17, 31, 33, 63, 64, 65, 128, 300):
         np.testing.assert_array_equal(kernel(a[:count]), whole[:count])
-        np.testing.assert_array_equal(kernel(a[:count], threads=2), whole[:count])
+        np.testing.assert_array_equal(kernel(a[:count], threads=3), whole[:count])
 
 
 def test_leading_axes_broadcast_and_out_is_used(elementary):

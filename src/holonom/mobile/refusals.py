@@ -39,7 +39,8 @@ def beyond_steering(base: WheelBase, steering: Array, limits: list[float]) -> Ou
     for k, (limit, name) in enumerate(zip(limits, base.steered, strict=True)):
         if limit < math.pi / 2 and (most := np.abs(steering[..., k]).max(initial=0.0)) > limit + 1e-9:
             return OutOfLimits(
-                f"{name!r} would have to steer {most:.4g} rad; its max_steering is {limit:.4g} rad: ask for a wider turn"
+                f"{name!r} would have to steer {most:.4g} rad; its max_steering is "
+                f"{limit:.4g} rad: ask for a wider turn"
             )
     return None
 

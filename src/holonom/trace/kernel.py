@@ -18,7 +18,6 @@ from holonom.trace.emit import (
     emit_made,
     emit_pointer,
     emit_single,
-    lanes_at_once,
     operand,
     straight_line,
 )
@@ -29,6 +28,11 @@ from holonom.trace.threads import check_threads, share
 
 __all__ = ["Kernel", "compile"]
 
+WORTH, PIECES, WHOLE = 1_000_000, 8, 16
+"""Operations of all rows that a thread is woken for (60 us), pieces for each thread, and what their edges divide by.
+
+Each thread takes the next piece that is left: one on a core that has other work too does fewer.
+"""
 Array = NDArray[Any]
 Shape = int | tuple[int, ...]
 
@@ -244,14 +248,14 @@ class Kernel:
                 )
 
     def _evaluate(self, rows: Sequence[Array], flat: Sequence[Array], count: int, threads: int) -> float:
-        lanes = lanes_at_once(self.operations)
-        blocks = -(-count // lanes)
-        parts = max(1, min(threads, blocks))
+        least = WORTH // max(self.operations, 1) + 1
+        parts = max(1, min(threads, count // least))
         if parts == 1:
             return self.rows(*rows, *flat, 0, count)
-        edges = [min(count, lanes * (blocks * k // parts)) for k in range(parts + 1)]
-        run, given = self.rows, (*rows, *flat)
-        return sum(share(lambda k: run(*given, edges[k], edges[k + 1]), parts))
+        pieces = max(parts, min(PIECES * parts, count // least))
+        edges = [count * k // pieces // WHOLE * WHOLE for k in range(pieces)] + [count]
+        run, given, left = self.rows, (*rows, *flat), iter(range(pieces))
+        return sum(share(lambda _: sum(run(*given, edges[k], edges[k + 1]) for k in left), parts))
 
     def _name_nonfinite(self, rows: Sequence[Array], lead: tuple[int, ...]) -> None:
         for f, a in zip(self.inputs, rows, strict=True):
