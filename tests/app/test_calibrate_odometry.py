@@ -8,9 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
 
-from holonom.app.calibrate_odometry import calibrate_odometry
+from holonom.app.calibrate_odometry import TOPICS, calibrate_odometry
 from holonom.app.odometry_log import OdometryLog, write_log
+from holonom.app.odometry_log.mcap_file import _numbers
+from holonom.app.recording.messages import odometry_layout, odometry_plane
 from holonom.errors import CalibrationError, LogError, UnknownName
 from holonom.mobile.calibration import Run, drive_parameters
 from holonom.mobile.odometry import integrate
@@ -50,6 +53,26 @@ def test_umbmark_for_people_machines_and_files(log: Path, tmp_path: Path) -> Non
     assert data["errors_before"]["E_max_m"] == pytest.approx(data["errors_before"]["max_final_distance_m"])
     picture = (tmp_path / "out" / "odometry.png").read_bytes()
     assert picture[:4] == b"\x89PNG"
+
+
+def test_runs_come_back_as_recordings(log: Path, tmp_path: Path) -> None:
+    """As a log that calibrates to the same numbers, with truth and both odometries at every sample."""
+    first = calibrate_odometry([log], output=tmp_path / "out", mcap=True)
+    assert first.data["recordings"] == str(tmp_path / "out" / "log.toml")
+    assert f"runs as MCAP: {tmp_path / 'out' / 'log.toml'}" in first.text
+    again = calibrate_odometry([tmp_path / "out" / "log.toml"])
+    assert again.data["calibrated"] == pytest.approx(first.data["calibrated"], abs=1e-6)
+    ends = {topic: [] for topic in ("/odom", *TOPICS)}
+    for path in sorted((tmp_path / "out").glob("*.mcap")):
+        with path.open("rb") as stream:
+            last = {channel.topic: message.data for _, channel, message in make_reader(stream).iter_messages()}
+        for topic, found in ends.items():
+            found.append(odometry_plane(_numbers(last[topic], len(odometry_layout().doubles))[None])[0][0])
+    errors = {topic: np.hypot(*(np.array(found) - ends["/odom"])[:, :2].T).max() for topic, found in ends.items()}
+    for topic, which in zip(TOPICS, ("before", "after"), strict=True):
+        assert errors[topic] == pytest.approx(first.data[f"errors_{which}"]["max_final_distance_m"], abs=1e-9)
+    with pytest.raises(CalibrationError, match="--mcap came without -o"):
+        calibrate_odometry([log], mcap=True)
 
 
 def test_least_squares_tells_both_sets(log: Path) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.app.answer import Answer
-from holonom.app.odometry_log import OdometryLog, read_log
+from holonom.app.odometry_log import OdometryLog, read_log, write_log
 from holonom.app.output import prepare_output
 from holonom.errors import CalibrationError, UnknownName
 from holonom.mobile.calibration import (
@@ -31,13 +31,14 @@ from holonom.mobile.calibration import (
     umbmark,
 )
 
-__all__ = ["FILE", "METHODS", "PICTURE", "calibrate_odometry"]
+__all__ = ["FILE", "METHODS", "PICTURE", "TOPICS", "calibrate_odometry"]
 
 Array = NDArray[np.float64]
 
 METHODS = ("least-squares", "umbmark")
 FILE, PICTURE = "odometry.json", "odometry.png"
 ASTRAY = 0.05  # share of its way by which a calibrated run may miss the truth without a note
+TOPICS = ("/odom_nominal", "/odom_calibrated")
 DRAWN = 12  # runs in the picture, the first ones
 
 
@@ -51,6 +52,7 @@ def calibrate_odometry(
     rule: str = "midpoint",
     held_out: bool = False,
     allow_gaps: bool = False,
+    mcap: bool = False,
     output: Path | None = None,
 ) -> Answer:
     """Calibrate the odometry of a base from logs.
@@ -65,6 +67,7 @@ def calibrate_odometry(
     rule : of integration, a key of `odometry.RULES`.
     held_out : for least squares, also the errors of each run by a calibration from the others.
     allow_gaps : let gaps in the logs pass with a note.
+    mcap : leave the log in the output folder too, runs as MCAP with the odometry before and after (`TOPICS`).
     output : folder for `odometry.json` and, with Matplotlib, a picture of the paths.
 
     Raises
@@ -78,6 +81,8 @@ def calibrate_odometry(
     if drive is not None and drive not in DRIVES:
         raise UnknownName("drive that can be calibrated", drive, DRIVES)
     _check_options(method, parameters, form, held_out=held_out)
+    if mcap and output is None:
+        raise CalibrationError("--mcap came without -o; name the folder that the recordings go to")
     log = read_log(paths, drive=drive, allow_gaps=allow_gaps)
     try:
         found = _umbmark(log, form or "x", rule) if method == "umbmark" else _least_squares(log, parameters, rule)
@@ -92,6 +97,9 @@ def calibrate_odometry(
         folder = prepare_output(output)
         if not _draw(log, found.matrix, rule, folder / PICTURE):
             data["notes"].append("no picture of the paths, Matplotlib is not installed: pip install 'holonom[plots]'")
+        if mcap:
+            others = dict(zip(TOPICS, _both_paths(log, found.matrix, rule).values(), strict=True))
+            data["recordings"] = str(write_log(log, folder, runs="mcap", others=others))
         (folder / FILE).write_text(json.dumps(data, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     return Answer(_text(data), data)
 
@@ -249,15 +257,17 @@ def _draw(log: OdometryLog, matrix: Array, rule: str, path: Path) -> bool:
         return False
     from holonom.plots.odometry import draw_odometry
 
-    nominal = drive_parameters(log.drive, log.nominal)
-    before = nominal.matrix(nominal.nominal)
     runs = log.runs[:DRAWN]
-    drawn = {
-        name: [dead_reckoning(run, M, rule) for run in runs]
-        for name, M in (("nominal", before), ("calibrated", matrix))
-    }
+    drawn = {name: paths[:DRAWN] for name, paths in _both_paths(log, matrix, rule).items()}
     draw_odometry([run.truth for run in runs], drawn, names=[run.name for run in runs], save=path)
     return True
+
+
+def _both_paths(log: OdometryLog, matrix: Array, rule: str) -> dict[str, list[Array]]:
+    """Poses (N, 3) of every run by nominal and by calibrated odometry."""
+    nominal = drive_parameters(log.drive, log.nominal)
+    models = {"nominal": nominal.matrix(nominal.nominal), "calibrated": matrix}
+    return {name: [dead_reckoning(run, M, rule) for run in log.runs] for name, M in models.items()}
 
 
 def _text(data: Mapping[str, Any]) -> str:
@@ -278,6 +288,7 @@ def _text(data: Mapping[str, Any]) -> str:
     for key, label in _LABELS.items():
         if key in data["errors_before"]:
             lines.append(f"  {label:27}" + "".join(f"{errors[key]:15.6f}" for errors in columns.values()))
+    lines += [f"runs as MCAP: {data['recordings']}"] if "recordings" in data else []
     return "\n".join([*lines, *(f"note: {note}" for note in data["notes"])])
 
 

@@ -95,10 +95,14 @@ def read_mcap_table(
     return table
 
 
-def write_mcap(path: Path, run: Run, drive: str) -> None:
+def write_mcap(path: Path, run: Run, drive: str, *, others: Mapping[str, Array] | None = None) -> None:
     """Write a run: running wheel angles on /joint_states, the truth, where there is one, on /odom.
 
     Running angles tell turns between samples only: a run whose first sample has turns gets one more, a step before it.
+
+    Parameters
+    ----------
+    others : topic -> poses (N, 3) of other odometry of this run, to look at beside the truth.
 
     Raises
     ------
@@ -107,27 +111,29 @@ def write_mcap(path: Path, run: Run, drive: str) -> None:
     wheels, steered = wheels_of(drive)
     layout = joint_layout(JointMessage((*wheels, *(name + SUFFIX for name in steered)), arrays=1))
     odometry = odometry_layout()
-    run = _from_rest(run)
+    poses = {"/odom": run.truth, **(others or {})}
+    if run.turns[0].any():
+        run = _from_rest(run)
+        poses = {topic: np.concatenate([rows[:1], rows]) for topic, rows in poses.items()}
     angles = np.column_stack([np.cumsum(run.turns, axis=0), run.steering])
     stamps = np.rint((run.time - min(run.time[0], 0.0)) * 1e9).astype(np.int64)
     try:
         with path.open("wb") as stream:
             writer = Writer(stream, compression=CompressionType.ZSTD)
             writer.start(profile=Profile.ROS2, library="holonom")
-            joints, truth = _channel(writer, "/joint_states", JOINTS), _channel(writer, "/odom", ODOMETRY)
+            joints = _channel(writer, "/joint_states", JOINTS)
+            channels = [(_channel(writer, topic, ODOMETRY), rows) for topic, rows in poses.items() if len(rows)]
             for k, stamp in enumerate(stamps.tolist()):
                 writer.add_message(joints, log_time=stamp, publish_time=stamp, data=layout.pack(stamp, angles[k]))
-                if len(run.truth):
-                    values = odometry_values(run.truth[k], np.zeros(3), np.zeros((3, 3)))
-                    writer.add_message(truth, log_time=stamp, publish_time=stamp, data=odometry.pack(stamp, values))
+                for channel, rows in channels:
+                    data = odometry.pack(stamp, odometry_values(rows[k], np.zeros(3), np.zeros((3, 3))))
+                    writer.add_message(channel, log_time=stamp, publish_time=stamp, data=data)
             writer.finish()  # type: ignore[no-untyped-call]
     except OSError as error:
         raise OutputError(f"cannot write {path}: {error.strerror}; give a folder that can be written") from None
 
 
 def _from_rest(run: Run) -> Run:
-    if not run.turns[0].any():
-        return run
     still = np.zeros_like(run.turns[:1])
     earlier = 2.0 * run.time[:1] - run.time[1:2]
     parts = ([earlier, run.time], [still, run.turns], [run.truth[:1], run.truth], [run.steering[:1], run.steering])

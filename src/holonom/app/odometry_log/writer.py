@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from holonom.app.odometry_log.log import OdometryLog
 from holonom.app.odometry_log.mcap_file import write_mcap
@@ -16,9 +18,22 @@ from holonom.mobile.calibration import Run, wheels_of
 
 __all__ = ["write_log"]
 
+Array = NDArray[np.float64]
 
-def write_log(log: OdometryLog, folder: str | Path, *, runs: Literal["csv", "mcap"] = "csv") -> Path:
+
+def write_log(
+    log: OdometryLog,
+    folder: str | Path,
+    *,
+    runs: Literal["csv", "mcap"] = "csv",
+    others: Mapping[str, Sequence[Array]] | None = None,
+) -> Path:
     """Write a log into a folder: `log.toml`, and a CSV or MCAP file for each run.
+
+    Parameters
+    ----------
+    runs : form of the runs.
+    others : in MCAP files, topic -> poses (N, 3) of each run by other odometry, to look at beside the truth.
 
     Returns
     -------
@@ -36,9 +51,9 @@ def write_log(log: OdometryLog, folder: str | Path, *, runs: Literal["csv", "mca
     lines += ["", "[geometry]", *(f"{name} = {value!r}" for name, value in log.nominal.items())]
     lines += ["", "[units]", f'wheels = "{units}"', ""]
     try:
-        for name, run in zip(names, log.runs, strict=True):
+        for k, (name, run) in enumerate(zip(names, log.runs, strict=True)):
             if runs == "mcap":
-                write_mcap(path / name, run, log.drive)
+                write_mcap(path / name, run, log.drive, others={t: rows[k] for t, rows in (others or {}).items()})
             else:
                 _write_csv(path / name, run, log.drive)
         (path / "log.toml").write_text("\n".join(lines), encoding="utf-8")
