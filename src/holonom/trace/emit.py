@@ -164,22 +164,24 @@ def emit_block(
     program = [*_loads(inputs), *_check(inputs), *body, *_stores(outputs, results), "return check"]
     names = [f.name for f in every]
     arrays, kinds = ", ".join(names), ", ".join(f"{_scalar(f)}[:, ::1]" for f in every)
-    rest = ", ".join(f"{name}_rest" for name in names)
+    here = ", ".join(f"{name}_here" for name in names)
+    filled = ", ".join(f"filled_up({name}, whole, last, {lanes})" for name in names)
     return (
         MODULE.format(title=title, count=len(body))
         + _intrinsic("straight_line", program, [*names, "start"], BLOCK_FLAGS, lanes)
-        + f'@njit(types.float64({kinds}, types.int64), nogil=True, error_model="numpy", cache=True)\n'
-        + f"def block({arrays}, start):\n    return straight_line({arrays}, start)\n\n\n"
         + f'@njit(types.float64({kinds}, types.int64, types.int64), nogil=True, error_model="numpy", cache=True)\n'
         + f"def rows({arrays}, first, last):\n"
         + "    check = 0.0\n"
         + f"    whole = last - (last - first) % {lanes}\n"
-        + f"    for start in range(first, whole, {lanes}):\n"
-        + f"        check += block({arrays}, start)\n"
-        + "    if whole == last:\n        return check\n"
-        + "".join(f"    {name}_rest = filled_up({name}, whole, last, {lanes})\n" for name in names)
-        + f"    check += block({rest}, 0)\n"
-        + "".join(f"    back({f.name}_rest, {f.name}, whole, last)\n" for f in outputs)
+        + f"    {here} = {arrays}\n"
+        + f"    for start in range(first, last, {lanes}):\n"
+        + "        place = start\n"
+        + "        if start == whole:\n"
+        + f"            {here} = {filled}\n"
+        + "            place = 0\n"
+        + f"        check += straight_line({here}, place)\n"
+        + "    if whole < last:\n"
+        + "".join(f"        back({f.name}_here, {f.name}, whole, last)\n" for f in outputs)
         + "    return check\n"
     )
 

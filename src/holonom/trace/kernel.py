@@ -286,20 +286,21 @@ def call({inputs}, /, *, out=None, threads=1):
 def _caller(kernel: Kernel) -> Callable[..., Any]:
     """One sample at once, or else the general way; written out, for loops over arguments cost as much as a kernel.
 
-    The compiled forms are loaded when they are first needed.
+    The compiled forms are loaded when the first sample comes: who has batches only needs none of them.
     """
 
-    def load(form: str) -> Callable[..., Any]:
+    def load(form: str, otherwise: Any) -> Callable[..., Any]:
         def first(*arguments: Any) -> Any:
+            if getattr(arguments[0], "ndim", None) != len(kernel.inputs[0].shape):
+                return otherwise
             names[form] = getattr(kernel, form)
             return names[form](*arguments)
 
         return first
 
     like = kernel.result(*(np.empty(shape, kind) for shape, kind in kernel._allocate))
-    names = {"like": like, "result": kernel.result, "general": kernel.general} | {
-        f: load(f) for f in ("made", "single")
-    }
+    names = {"like": like, "result": kernel.result, "general": kernel.general}
+    names |= {"made": load("made", None), "single": load("single", 1)}
     text = CALL.format(
         inputs=", ".join(f"in{k}" for k in range(len(kernel.inputs))),
         outputs="out" if len(kernel.outputs) == 1 else "*out",

@@ -55,8 +55,6 @@ def lower(
         given = dict(zip(arguments, args, strict=True))
         kinds = dict(zip(arguments, signature.args, strict=True))
         start = given.pop("start", None)
-        if start is not None:
-            builder.function.attributes.add("noinline")
         data = {
             name: (ctx.make_array(kinds[name])(ctx, builder, value).data, ctx.get_data_type(kinds[name].dtype))
             for name, value in given.items()
