@@ -1,7 +1,7 @@
 """Rows of numbers in memory to vectors of one column each, and back: what a batch costs beside its arithmetic.
 
-A row is cut into pieces of 4, 2 and 1 numbers. Pieces of so many rows are loaded side by side and transposed in
-registers, so that a vector holds one number of every row; storing goes the same way back.
+A row is cut into pieces of 4, 2 and 1 numbers, none longer than a vector. Pieces of so many rows are loaded side by
+side and transposed in registers, so that a vector holds one number of every row; storing goes the same way back.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ DOUBLE, INDEX, LONG = ir.DoubleType(), ir.IntType(32), ir.IntType(64)
 def load_columns(builder: Any, rows: Any, width: int, lanes: int) -> list[Any]:
     """Return `width` vectors: number k of the `lanes` rows that start at the pointer `rows`."""
     columns: list[Any] = []
-    for first, size in _pieces(width):
+    for first, size in _pieces(width, lanes):
         vectors = []
         for k in range(size):
             mine = [_piece(builder, rows, DOUBLE, width * row + first, size) for row in range(k, lanes, size)]
@@ -33,7 +33,7 @@ def store_columns(builder: Any, rows: Any, columns: Sequence[Any], lanes: int) -
     kind = columns[0].type.element
     pieces = [
         (first, size, _transposed(builder, columns[first : first + size], size, lanes))
-        for first, size in _pieces(len(columns))
+        for first, size in _pieces(len(columns), lanes)
     ]
     for row in range(lanes):
         for first, size, vectors in pieces:
@@ -48,11 +48,11 @@ def itemsize(kind: Any) -> int:
     return 8 if kind == DOUBLE else kind.width // 8
 
 
-def _pieces(width: int) -> Iterator[tuple[int, int]]:
+def _pieces(width: int, lanes: int) -> Iterator[tuple[int, int]]:
     """First column and number of columns of each piece."""
     first = 0
     while first < width:
-        size = next(size for size in (4, 2, 1) if first + size <= width)
+        size = next(size for size in (4, 2, 1) if size <= min(lanes, width - first))
         yield first, size
         first += size
 
