@@ -4,6 +4,7 @@ import math
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -138,6 +139,13 @@ def test_second_process_finds_the_machine_code(tmp_path: Path):
     assert first.stdout == second.stdout
     assert before == after
     assert any(p.suffix == ".nbc" for p in after)
+
+
+def test_threads_that_load_a_module_at_once_all_find_the_whole_of_it(tmp_path: Path, monkeypatch):
+    monkeypatch.setenv("HOLONOM_CACHE", str(tmp_path))
+    source = "import time\n\ntime.sleep(0.2)\nvalue = 1\n"
+    with ThreadPoolExecutor(4) as pool:
+        assert list(pool.map(lambda _: load_module("slow", source).value, range(4))) == [1] * 4
 
 
 def test_an_unwritable_cache_says_so(tmp_path: Path, monkeypatch):

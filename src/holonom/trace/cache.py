@@ -12,6 +12,7 @@ import importlib.util
 import os
 import sys
 import tempfile
+import threading
 from pathlib import Path
 from types import ModuleType
 
@@ -33,6 +34,8 @@ HELPERS = [
     "transpose",
 ]
 """Our modules that a kernel is made by and made of."""
+LOADING = threading.RLock()
+"""Held while a module is made: another thread must not find half of it."""
 
 
 def cache_folder() -> Path:
@@ -61,12 +64,16 @@ def load_module(name: str, source: str) -> ModuleType:
         The cache folder cannot be written.
     """
     digest = hashlib.sha256((_environment() + source).encode()).hexdigest()[:16]
-    full_name = f"holonom_kernels.{name}_{digest}"
-    if full_name in sys.modules:
+    full_name, path = f"holonom_kernels.{name}_{digest}", cache_folder() / f"{name}_{digest}.py"
+    with LOADING:
+        if full_name not in sys.modules:
+            if not path.exists():
+                _write(path, source)
+            _import(full_name, path)
         return sys.modules[full_name]
-    path = cache_folder() / f"{name}_{digest}.py"
-    if not path.exists():
-        _write(path, source)
+
+
+def _import(full_name: str, path: Path) -> None:
     spec = importlib.util.spec_from_file_location(full_name, path)
     assert spec is not None
     assert spec.loader is not None
@@ -77,7 +84,6 @@ def load_module(name: str, source: str) -> ModuleType:
     except BaseException:
         del sys.modules[full_name]
         raise
-    return module
 
 
 def _write(path: Path, source: str) -> None:
