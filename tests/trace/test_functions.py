@@ -67,6 +67,22 @@ def test_batches_of_every_size_and_threads(elementary, monkeypatch):
         np.testing.assert_array_equal(kernel(a[:count], threads=3), whole[:count])
 
 
+@pytest.mark.parametrize("count", [1, 16, 37])
+def test_a_result_may_overwrite_what_it_comes_from(count):
+    """Also in rows of its own that another one has yet to read; what is not finite is found all the same."""
+    kernel = trace.compile(lambda a: [2.0 * a[1], a[1]], {"a": 2}, {"y": 2}, name="in_place")
+    a = np.random.default_rng(1).normal(size=(count + 1, 2))
+    shifted = a.copy()
+    kernel(shifted[:-1], out=shifted[1:])
+    np.testing.assert_array_equal(shifted[1:], kernel(a[:-1]))
+    same = a.copy()
+    kernel(same, out=same)
+    np.testing.assert_array_equal(same, kernel(a))
+    a[count // 2, 0] = np.nan
+    with pytest.raises(ShapeError, match=rf"a\[0\] is nan in row \({count // 2},\)"):
+        kernel(a, out=a)
+
+
 def test_leading_axes_broadcast_and_out_is_used(elementary):
     kernel, _ = elementary
     a = samples()[:24].reshape(2, 3, 4, 2)

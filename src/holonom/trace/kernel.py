@@ -160,7 +160,8 @@ class Kernel:
         *arrays
             One per input, `(..., *shape)`; leading axes broadcast.
         out
-            Array (or tuple of arrays, for several outputs) to write into, C-contiguous, of the result's shape.
+            Array (or tuple of arrays, for several outputs) to write into, C-contiguous, of the result's shape; it may
+            share memory with an input.
         threads
             Threads that share a batch, 1 or more.
 
@@ -197,6 +198,8 @@ class Kernel:
         else:
             results = list(out if isinstance(out, tuple) else (out,))
             self._check_out(results, lead)
+            # What is written must not be read any more, nor named as not finite.
+            rows = [r.copy() if any(np.may_share_memory(r, o) for o in results) else r for r in rows]
         flat = [
             r if r.ndim == 2 and len(f.shape) == 1 else r.reshape(count, f.width)
             for r, f in zip(results, self.outputs, strict=True)
