@@ -55,6 +55,12 @@ def test_small_singular_values_of_badly_scaled_rows_are_right_to_the_last_digits
     np.testing.assert_allclose(singular_values(scales[:, None] * rows), scales, rtol=1e-13)
 
 
+@pytest.mark.parametrize("small", [1e-60, 1e-75, 1e-100, 1e-139, 1e-200])
+def test_rows_of_hardly_any_length_leave_bases_orthogonal(small):
+    """Their squares are numbers still, the product of two such squares is none."""
+    check(np.array([[1.0, 0.0, 0.0], [0.0, small, small], [0.0, small, 2.0 * small]]))
+
+
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_what_is_not_finite_ends_as_nan(bad):
     A = np.random.default_rng(4).normal(size=(3, 6, 6))

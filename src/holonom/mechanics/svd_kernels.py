@@ -23,8 +23,9 @@ ROUNDING = 1e-15
 """Cosine between two rows up to which they count as orthogonal."""
 SWEEPS = 30
 """Sweeps over all pairs after which rows stay as they are; five do, and NaN never ends."""
-TINY = 1e-140
-"""Length of a row, as a share of the largest entry, that counts as 0: its square is no number any more."""
+TINY = 1e-70
+"""Length of a row, as a share of the largest entry, that counts as 0: between two shorter ones `_orthogonalise` sees
+no angle, for fourth powers are no numbers any more."""
 
 
 @njit(cache=True, error_model="numpy", fastmath={"contract"})
