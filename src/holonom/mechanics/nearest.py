@@ -45,7 +45,7 @@ def joint_vectors(name: str, q: ArrayLike, names: tuple[str, ...]) -> Array:
     return given
 
 
-STATUS: list[Any] = [np.int8(status) for status in IkStatus]
+STATUS: tuple[Any, ...] = tuple(np.int8(status) for status in IkStatus)
 """What a call returns for each status: the same object every time."""
 UNREACHABLE, SINGULAR = STATUS[IkStatus.UNREACHABLE], STATUS[IkStatus.SINGULAR]
 
