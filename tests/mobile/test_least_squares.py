@@ -359,13 +359,28 @@ def test_limits_are_kept_with_the_least_squares_there_are(column: int) -> None:
 def test_limits_that_nothing_keeps_or_that_are_none() -> None:
     runs = noisy("differential", seed=2)
     for limits, problem, match in (
-        ([1e-4] * 4, CalibrationError, r"within 0\.0001 m and 0\.00573 degrees on the way, .* give wider limits"),
+        (
+            [1e-4] * 4,
+            CalibrationError,
+            r"within 0\.0001 m on the way, 0\.00573 degrees on the way, .*; give wider limits",
+        ),
+        ([np.inf, np.inf, 1e-5, np.inf], CalibrationError, r"keep all errors within 1e-05 m at the end; give wider"),
         ([1.0, 1.0], OutOfLimits, "give four above zero"),
         ([1.0, 0.0, 1.0, 1.0], OutOfLimits, "give four above zero"),
+        (["wide"] * 4, OutOfLimits, "give four above zero"),
         ([1.0, np.nan, 1.0, 1.0], OutOfLimits, "give four above zero"),
     ):
         with pytest.raises(problem, match=match):
             calibrate(runs, "differential", NOMINAL["differential"], limits=limits)
+
+
+def test_limits_below_rounding_count_as_what_is_kept() -> None:
+    drive, truth = "differential", off("differential", "physical", np.random.default_rng(1))
+    exact = [wandering(drive, truth, "physical", seed=j) for j in range(2)]
+    for runs, limits in ((exact, None), (noisy(drive, seed=2)[:2], [np.inf, np.inf, np.inf, 1e-12])):
+        found = calibrate(runs, drive, NOMINAL[drive], set_name="extended", limits=limits)
+        assert found.limits[3] == 1e-6
+        assert np.all(largest(found.after) <= found.limits)
 
 
 def test_the_extended_set_is_no_overfit(data_folder: Path) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.errors import CalibrationError, OutOfLimits
-from holonom.mobile.calibration.limits import classical, largest_errors, within
+from holonom.mobile.calibration.limits import attainable, classical, largest_errors, within
 from holonom.mobile.calibration.parameters import DriveParameters, article, drive_parameters, wheels_of
 from holonom.mobile.calibration.residuals import Problem, path_lever, solve
 from holonom.mobile.calibration.runs import PathErrors, Run, dead_reckoning, need_truth, path_errors
@@ -94,6 +94,7 @@ def calibrate(
     final_weight : of the end of a run beside the way.
     limits : (4,) largest distance and heading on the way, and at the end, m and rad. Unless given those of a classical
         calibration for the extended set, physical parameters from the ends of the runs; none for the physical set.
+        Below a millionth of the lever, and of a radian, they count as that.
 
     Raises
     ------
@@ -164,6 +165,7 @@ def _limited(
     else:
         plain = replace(problem, drive=drive_parameters(drive.drive, nominal))
         bounds = largest_errors(plain, classical(plain))
+    bounds = attainable(problem, bounds)
     kept = within(problem, x, bounds)
     if kept is None and limits is not None:
         raise CalibrationError(_unkept(bounds, drive))
@@ -174,7 +176,10 @@ def _limited(
 
 
 def _four(limits: Sequence[float]) -> Array:
-    bounds = np.asarray(limits, dtype=np.float64)
+    try:
+        bounds = np.asarray(limits, dtype=np.float64)
+    except (TypeError, ValueError):
+        bounds = np.empty(0)
     if bounds.shape != (4,) or not np.all(bounds > 0.0):
         raise OutOfLimits(
             f"limits {limits} came; give four above zero: distance and heading on the way, and at the end, m and rad"
@@ -183,10 +188,18 @@ def _four(limits: Sequence[float]) -> Array:
 
 
 def _unkept(bounds: Array, drive: DriveParameters) -> str:
-    way, turn, end, last = bounds * np.array([1.0, 180.0 / np.pi, 1.0, 180.0 / np.pi])
+    units = (
+        (1.0, "m on the way"),
+        (180.0 / np.pi, "degrees on the way"),
+        (1.0, "m at the end"),
+        (180.0 / np.pi, "degrees at the end"),
+    )
+    wanted = ", ".join(
+        f"{bound * unit:.4g} {name}" for bound, (unit, name) in zip(bounds, units, strict=True) if np.isfinite(bound)
+    )
     return (
-        f"no {drive.set} parameters near the least squares keep all errors within {way:.4g} m and {turn:.4g} degrees "
-        f"on the way, {end:.4g} m and {last:.4g} degrees at the end; give wider limits, or see what is left without"
+        f"no {drive.set} parameters near the least squares keep all errors within {wanted}; give wider limits, or see "
+        "what is left without"
     )
 
 

@@ -19,14 +19,14 @@ from scipy.optimize import nnls
 
 from holonom.mobile.calibration.residuals import Problem, RunPart, solve
 
-__all__ = ["classical", "largest_errors", "within"]
+__all__ = ["attainable", "classical", "largest_errors", "within"]
 
 Array = NDArray[np.float64]
 
 PASSES = 30  # linearisations; three to six are usual
 NEAR = 0.5  # share of its limit above which an error is watched
 MARGIN = 1e-7  # by which limits are kept
-FINEST = 1e-6  # m per m of the lever, and rad: smaller limits are rounding
+FINEST = 1e-6  # m per m of the lever, and rad: smaller errors are rounding
 HEAVIEST = 1e3  # weight of the ends beside the way, where nothing else is told
 SACRIFICE = 0.125  # share by which a classical calibration may spoil the way for the sake of the ends
 
@@ -61,6 +61,11 @@ def largest_errors(problem: Problem, x: Array) -> Array:
     return np.array([errors.value[errors.kind == kind].max() for kind in range(4)])
 
 
+def attainable(problem: Problem, limits: Array) -> Array:
+    """Limits (4,) none of which is below what rounding leaves of an error."""
+    return np.maximum(limits, FINEST * np.array([problem.lever, 1.0, problem.lever, 1.0]))
+
+
 def within(problem: Problem, x: Array, limits: Array) -> Array | None:
     """Parameters that keep limits and are nearest to least squares; None where there are none.
 
@@ -69,7 +74,6 @@ def within(problem: Problem, x: Array, limits: Array) -> Array | None:
     x : (p,) solution by least squares.
     limits : (4,) of distance and heading on the way, and at the end; m and rad, infinite where free.
     """
-    limits = np.maximum(limits, FINEST * np.array([problem.lever, 1.0, problem.lever, 1.0]))
     B, y = _natural(problem, x), np.zeros(len(x))
     for _ in range(PASSES):
         errors = _errors(problem.parts(x + B @ y))
