@@ -80,6 +80,17 @@ def compile(
     return Kernel(name, tuple(ins), tuple(outs), graph, results, branches, result or _plain)
 
 
+def _apart(rows: Sequence[Array], results: Sequence[Array]) -> Sequence[Array]:
+    """The rows, copied where a result may share their memory; two arrays that own theirs do not."""
+    found = list(rows)
+    for result in results:
+        own = result.flags.owndata
+        for k, r in enumerate(found):
+            if r is result or (not (own and r.flags.owndata) and np.may_share_memory(r, result)):
+                found[k] = r.copy()
+    return found
+
+
 def _plain(*arrays: Array) -> Any:
     return arrays if len(arrays) > 1 else arrays[0]
 
@@ -199,7 +210,7 @@ class Kernel:
             results = list(out if isinstance(out, tuple) else (out,))
             self._check_out(results, lead)
             # What is written must not be read any more, nor named as not finite.
-            rows = [r.copy() if any(np.may_share_memory(r, o) for o in results) else r for r in rows]
+            rows = _apart(rows, results)
         flat = [
             r if r.ndim == 2 and len(f.shape) == 1 else r.reshape(count, f.width)
             for r, f in zip(results, self.outputs, strict=True)
