@@ -140,3 +140,19 @@ def test_a_number_of_threads_is_whole_and_positive(elementary, threads):
         with pytest.raises(InputError, match=r"threads is .*whole number of at least 1"):
             kernel(a, threads=threads)
     np.testing.assert_array_equal(kernel(np.zeros(2), threads=np.int64(3)), kernel(np.zeros(2)))
+
+
+@pytest.mark.parametrize("name", ["first", "start", "check", "np", "back", "lambda", "_x", "x y", "range"])
+def test_names_of_the_generated_text_are_refused(name):
+    with pytest.raises(InputError, match=f"'{name}' cannot be the name of an input or output"):
+        trace.compile(lambda a: a, {name: 1}, {"y": 1}, name="taken")
+
+
+@pytest.mark.parametrize("name", ["s0", "t1", "sum", "found", "lane", "x_0", "block"])
+def test_names_like_those_of_values_are_fine(name):
+    kernel = trace.compile(
+        lambda a, b: [trace.sin(a[0] + b[1]) * b[0]], {name: 1, "b": 2}, {"y": 1}, name=f"named_{name}"
+    )
+    a, b = np.array([0.3]), np.array([0.5, 0.2])
+    assert kernel(a, b)[0] == pytest.approx(0.5 * np.sin(0.5), abs=1e-15)
+    assert kernel(np.tile(a, (20, 1)), np.tile(b, (20, 1)))[19, 0] == pytest.approx(0.5 * np.sin(0.5), abs=1e-15)

@@ -9,6 +9,16 @@
 `share`           parts of a batch to threads; `check_threads`, `real_array`: what a caller gave
 `cache_folder`    where generated modules lie
 ================  =======================================================================
+
+Inside, in the order in which an equation goes through them:
+
+- to a line: `functions`, `graph`, `elementary`; `lanes` lays the branches of an inverse side by side;
+- to text: `emit`, `cuda`; `cache` keeps it;
+- to machine code: `lower`, with `transpose` and `remainder` for the rows of a batch;
+- to be called: `kernel`, `threads`, `pointer`; `direct`, `results` and `layout` are the way past Numba's dispatch.
+
+For loops written by hand there are `compiled` (elementary functions) and `simd` (four numbers as one); `trigonometric`
+multiplies equations out into formulas, `arrays` runs them on NumPy arrays.
 """
 
 from holonom.trace.cache import cache_folder

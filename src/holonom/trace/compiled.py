@@ -1,6 +1,6 @@
-"""Elementary functions for compiled loops written by hand: the same equations, so that a loop around them vectorises.
+"""Elementary functions for compiled loops written by hand, without a branch, so that a loop around them vectorises.
 
-`select`, `arctan` and `sincos_half_turn` also take packs (`trace.simd`). Coefficients of the last two are minimax
+`sincos` is the equation of `trace.elementary`. `select`, `arctan` and `sincos_half_turn` also take packs (`trace.simd`). Coefficients of the last two are minimax
 polynomials (Remez).
 
 Flags are named in such loops (`TRIG_FLAGS`): `fastmath=True` would delete NaN tests and spoil the reduction.

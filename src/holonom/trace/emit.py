@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import functools
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from holonom.trace.lanes import Lanes
 
 __all__ = [
+    "TAKEN",
     "Field",
     "Results",
     "emit_block",
@@ -45,6 +47,9 @@ from holonom.trace.remainder import back, filled_up
 from holonom.trace.results import Results, entry, exists, made_like, nothing
 
 '''
+WORDS = "branch buf check finite first last like made place pointer range result rows shared single spread start whole"
+TAKEN = frozenset(re.findall(r"\w+", MODULE)) | frozenset([*WORDS.split(), "RESULT", "straight_line"])
+"""Names that the text of a module uses itself: no input or output may have one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,8 +129,8 @@ def _check(inputs: Sequence[Field]) -> list[str]:
     first, *rest = _names(inputs)
     lines, total = [], first
     for k, name in enumerate(rest):
-        lines.append(f"sum_{k} = {total} + {name}")
-        total = f"sum_{k}"
+        lines.append(f"_{k} = {total} + {name}")
+        total = f"_{k}"
     return [*lines, f"check = {total} * 0.0"]
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import keyword
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -10,9 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.errors import ShapeError
+from holonom.errors import InputError, ShapeError
 from holonom.trace.cache import load_module
 from holonom.trace.emit import (
+    TAKEN,
     Field,
     emit_block,
     emit_made,
@@ -65,6 +67,13 @@ def compile(
     result
         Of several outputs, what a call returns: a function of their arrays, in order, that gives a tuple which begins
         with them (perhaps viewed as another type). By default a plain tuple.
+
+    Raises
+    ------
+    InputError
+        An input or output has a name that Python or the kernel's text needs.
+    ShapeError
+        The equation gives another count of numbers than was declared.
     """
     graph = Graph()
     ins = [_field(key, shape, key in integers) for key, shape in inputs.items()]
@@ -96,6 +105,8 @@ def _plain(*arrays: Array) -> Any:
 
 
 def _field(name: str, shape: Shape, integer: bool) -> Field:
+    if not name.isidentifier() or name.startswith("_") or keyword.iskeyword(name) or name in TAKEN:
+        raise InputError(f"{name!r} cannot be the name of an input or output: it is a word of Python or of the kernel")
     return Field(name, (shape,) if isinstance(shape, int) else tuple(shape), integer)
 
 
