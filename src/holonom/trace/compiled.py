@@ -1,7 +1,7 @@
 """Elementary functions for compiled loops written by hand, without a branch, so that a loop around them vectorises.
 
-`sincos` is the equation of `trace.elementary`. `select`, `arctan` and `sincos_half_turn` also take packs (`trace.simd`). Coefficients of the last two are minimax
-polynomials (Remez).
+`sincos` is the equation of `trace.elementary`. `select`, `arctan` and `sincos_half_turn` also take packs
+(`trace.simd`). Coefficients of the last two are minimax polynomials (Remez).
 
 Flags are named in such loops (`TRIG_FLAGS`): `fastmath=True` would delete NaN tests and spoil the reduction.
 """
