@@ -275,6 +275,19 @@ def emit_pointer(
     )
 
 
+def _stored_at_once(body: Sequence[str], stores: Sequence[str]) -> list[str]:
+    """The lines, each store behind the line that makes its value: nothing has to be remembered for the end."""
+    waiting: dict[str, list[str]] = {}
+    for store in stores:
+        waiting.setdefault(store.partition(" = ")[2], []).append(store)
+    lines = []
+    for line in body:
+        lines.append(line)
+        for name in line.partition(" = ")[0].split(", "):
+            lines += waiting.pop(name, [])
+    return lines + [store for rest in waiting.values() for store in rest]
+
+
 def _line(
     given: Sequence[str],
     taken: Sequence[str],
@@ -285,7 +298,8 @@ def _line(
 ) -> str:
     """Text of `straight_line(inputs, outputs)`; with lanes in three parts, which hand on what they know in `buf`."""
     if lanes is None:
-        return _intrinsic("straight_line", [*loads, *body, *stores], [*given, *taken], SCALAR_FLAGS, 1)
+        program = [*loads, *_stored_at_once(body, stores)]
+        return _intrinsic("straight_line", program, [*given, *taken], SCALAR_FLAGS, 1)
     return (
         _intrinsic("shared", [*loads, *lanes.shared], [*given, "buf"], SCALAR_FLAGS, 1)
         + _intrinsic("branch", lanes.branch, ["buf"], BLOCK_FLAGS, lanes.width)
