@@ -180,3 +180,14 @@ def test_held_out_errors_are_told(data_folder: Path) -> None:
     held, before = answer.data["errors_held_out"], answer.data["errors_before"]
     assert held["max_distance_m"] < 0.5 * before["max_distance_m"]
     assert "held out" in answer.text
+
+
+def test_limits_are_kept_or_refused(log: Path) -> None:
+    free = calibrate_odometry([log], limits=[np.inf] * 4).data
+    assert free["limits"] == dict.fromkeys(free["limits"])
+    data = calibrate_odometry([log], limits=[np.inf, 1.0, np.inf, 0.5]).data
+    assert data["limits"]["max_heading_deg"] == pytest.approx(1.0)
+    assert data["errors_after"]["max_heading_deg"] <= 1.0
+    assert data["errors_after"]["max_final_heading_deg"] <= 0.5
+    with pytest.raises(CalibrationError, match="--limits came with umbmark"):
+        calibrate_odometry([log], method="umbmark", limits=[np.inf] * 4)

@@ -255,11 +255,11 @@ def test_at_least_as_good_as_published(data_folder: Path, folder: str, method: s
 @pytest.mark.parametrize(("folder", "method", "published", "worse"), PUBLISHED, ids=ROWS)
 def test_published_errors_are_kept_as_limits(data_folder: Path, folder: str, method: str, published, worse) -> None:
     """All four columns of any published method at once, where they are asked for."""
-    source = data_folder / "odometry" / "optiodom" / folder
-    log, limits = read_log([source]), published * np.array([1.0, np.pi / 180, 1.0, np.pi / 180])
-    found = calibrate(log.runs, log.drive, log.nominal, set_name=by_the_command(source)["set"], limits=limits)
-    assert np.all(largest(found.after) <= limits)
-    assert 0.0 <= found.growth < 0.51
+    data = calibrate_odometry([data_folder / "odometry" / "optiodom" / folder], limits=published).data
+    assert [data["errors_after"][key] <= limit for key, limit in zip(data["limits"], published, strict=True)] == [
+        True
+    ] * 4
+    assert 0.0 <= data["growth"] < 0.51
 
 
 @pytest.mark.parametrize(

@@ -51,6 +51,7 @@ def calibrate_odometry(
     form: str | None = None,
     rule: str = "midpoint",
     held_out: bool = False,
+    limits: Sequence[float] | None = None,
     allow_gaps: bool = False,
     mcap: bool = False,
     output: Path | None = None,
@@ -66,6 +67,7 @@ def calibrate_odometry(
     form : of UMBmark: "x", "y" or "mean"; "x" unless given.
     rule : of integration, a key of `odometry.RULES`.
     held_out : for least squares, also the errors of each run by a calibration from the others.
+    limits : for least squares, largest errors allowed: m and degrees on the way, m and degrees at the end.
     allow_gaps : let gaps in the logs pass with a note.
     mcap : leave the log in the output folder too, runs as MCAP with the odometry before and after (`TOPICS`).
     output : folder for `odometry.json` and, with Matplotlib, a picture of the paths.
@@ -80,12 +82,14 @@ def calibrate_odometry(
             raise UnknownName(kind, name, known)
     if drive is not None and drive not in DRIVES:
         raise UnknownName("drive that can be calibrated", drive, DRIVES)
-    _check_options(method, parameters, form, held_out=held_out)
+    _check_options(method, parameters, form, limits, held_out=held_out)
     if mcap and output is None:
         raise CalibrationError("--mcap came without -o; name the folder that the recordings go to")
     log = read_log(paths, drive=drive, allow_gaps=allow_gaps)
     try:
-        found = _umbmark(log, form or "x", rule) if method == "umbmark" else _least_squares(log, parameters, rule)
+        found = (
+            _umbmark(log, form or "x", rule) if method == "umbmark" else _least_squares(log, parameters, rule, limits)
+        )
         if held_out:
             errors = held_out_errors(log.runs, log.drive, log.nominal, set_name=found.data["set"], rule=rule)
             found.data["errors_held_out"] = _errors(errors)
@@ -104,10 +108,13 @@ def calibrate_odometry(
     return Answer(_text(data), data)
 
 
-def _check_options(method: str, parameters: str | None, form: str | None, *, held_out: bool) -> None:
+def _check_options(
+    method: str, parameters: str | None, form: str | None, limits: Sequence[float] | None, *, held_out: bool
+) -> None:
     """Refuse options that the method knows nothing of."""
     if method == "umbmark":
-        named = [name for name, given in (("--parameters", parameters is not None), ("--held-out", held_out)) if given]
+        options = {"--parameters": parameters is not None, "--limits": limits is not None, "--held-out": held_out}
+        named = [name for name, given in options.items() if given]
         if named:
             raise CalibrationError(f"{' and '.join(named)} came with umbmark; leave it out, or use least-squares")
     elif form not in (None, "x"):
@@ -177,18 +184,21 @@ def _umbmark(log: OdometryLog, form: str, rule: str) -> _Found:
     )
 
 
-def _least_squares(log: OdometryLog, parameters: str | None, rule: str) -> _Found:
+def _least_squares(log: OdometryLog, parameters: str | None, rule: str, limits: Sequence[float] | None) -> _Found:
     plain, refused = _attempt(log, "physical", rule)
     if parameters != "extended" and plain is None:
         raise CalibrationError(refused)
     chosen = plain
+    wanted = None if limits is None else [limits[0], math.radians(limits[1]), limits[2], math.radians(limits[3])]
     notes: tuple[str, ...] = ()
     if parameters != "physical":
-        chosen, refused = _attempt(log, "extended", rule)
+        chosen, refused = _attempt(log, "extended", rule, wanted)
         if chosen is None and parameters == "extended":
             raise CalibrationError(refused)
         if chosen is None:
             chosen, notes = plain, (f"physical parameters only; of the extended set {refused}",)
+    if chosen is plain and wanted is not None:
+        chosen = calibrate(log.runs, log.drive, log.nominal, set_name="physical", rule=rule, limits=wanted)
     assert chosen is not None
     data = {"set": chosen.set, **_values(chosen), "matrix": chosen.matrix.tolist(), **_ratios(chosen)}
     data |= {"condition": chosen.condition, "lever_m": chosen.lever, "errors_before": _errors(chosen.before)}
@@ -199,10 +209,12 @@ def _least_squares(log: OdometryLog, parameters: str | None, rule: str) -> _Foun
     return _Found(data, chosen.matrix, notes)
 
 
-def _attempt(log: OdometryLog, set_name: str, rule: str) -> tuple[Calibration | None, str]:
+def _attempt(
+    log: OdometryLog, set_name: str, rule: str, limits: Sequence[float] | None = None
+) -> tuple[Calibration | None, str]:
     """A calibration, or the reason why the motion does not tell it."""
     try:
-        return calibrate(log.runs, log.drive, log.nominal, set_name=set_name, rule=rule), ""
+        return calibrate(log.runs, log.drive, log.nominal, set_name=set_name, rule=rule, limits=limits), ""
     except CalibrationError as error:
         return None, str(error)
 

@@ -95,6 +95,7 @@ def _calibrate_odometry(options: argparse.Namespace) -> Answer:
         form=options.form,
         rule=options.rule,
         held_out=options.held_out,
+        limits=options.limits,
         allow_gaps=options.allow_gaps,
         mcap=options.mcap,
         output=options.output,
@@ -182,6 +183,8 @@ def _add_calibrate_odometry(subjects: Commands[argparse.ArgumentParser]) -> None
     rules = ("turn_then_drive", "midpoint", "exact")
     odometry.add_argument("--rule", choices=rules, default="midpoint", help="of integration, midpoint unless given")
     odometry.add_argument("--held-out", action="store_true", help="also errors of each run by the others' calibration")
+    units = ("M", "DEG", "M_END", "DEG_END")
+    odometry.add_argument("--limits", nargs=4, type=float, metavar=units, help="largest errors allowed, inf for none")
     odometry.add_argument("--allow-gaps", action="store_true", help="gaps in a log are a note, not an error")
     odometry.add_argument("--mcap", action="store_true", help="with -o, the runs too, as MCAP with truth and odometry")
     _add_output(odometry, "odometry.json and a picture of the paths go here")
