@@ -46,7 +46,7 @@ def test_branches_side_by_side_agree_with_the_equation(x):
 
 def test_like_rows_are_written_once():
     kernel = _compiled(_branches, 8)
-    lanes = kernel._lanes()
+    lanes = kernel._parts()
     assert sum("arctan2" in line for line in lanes.branch) == 1
     assert not any("arctan2" in line for line in lanes.shared)
 
@@ -71,5 +71,5 @@ def test_two_rows_stay_as_they_are():
         return [x[0], x[1], x[2], -x[0], -x[1], -x[2]], [0.0, 1.0]
 
     kernel = _compiled(two, 2)
-    assert kernel._lanes() is None
+    assert kernel._parts() is None
     assert kernel(INPUT)[0].tolist() == [INPUT.tolist(), (-INPUT).tolist()]

@@ -21,6 +21,8 @@ from holonom.trace.derivative import jacobian
 __all__ = ["DYNAMICS", "WITH_FRICTION"]
 
 Options = Mapping[str, Any]
+MANY = 12
+"""Joints from which on the columns of a result are a loop."""
 
 
 def _flat(rows: Matrix) -> list[Number]:
@@ -58,19 +60,26 @@ def _by_graph(
 
 
 def _forward_derivatives(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
-    friction = options["friction"]
+    friction, n = options["friction"], len(model.independent)
+    in_columns = n >= MANY and model.rotors == "reflected"
 
-    def equation(q: Vector, qd: Vector, tau: Vector) -> list[list[Number]]:
+    def equation(q: Vector, qd: Vector, tau: Vector) -> Sequence[Vector]:
+        if in_columns:
+            return derivatives.forward_dynamics_columns(model, bodies, q, qd, tau, friction=friction)
         if model.rotors == "full":
             found = _forward_by_graph(model, bodies, q, qd, tau, friction)
         else:
             found = derivatives.forward_dynamics_derivatives(model, bodies, q, qd, tau, friction=friction)
         return [_flat(rows) for rows in found]
 
-    n = len(model.independent)
-    outputs = {"dqdd_dq": (n, n), "dqdd_dqd": (n, n), "dqdd_dtau": (n, n)}
-    name = f"{model.name}_forward_dynamics_derivatives"
-    return compile(equation, {"q": n, "qd": n, "tau": n}, outputs, name=name, result=ForwardDynamicsDerivatives)
+    return compile(
+        equation,
+        {"q": n, "qd": n, "tau": n},
+        {"dqdd_dq": (n, n), "dqdd_dqd": (n, n), "dqdd_dtau": (n, n)},
+        name=f"{model.name}_forward_dynamics_derivatives",
+        columns=derivatives.forward_dynamics_column if in_columns else None,
+        result=ForwardDynamicsDerivatives,
+    )
 
 
 def _forward_by_graph(

@@ -21,6 +21,7 @@ from holonom.errors import OutputError
 __all__ = ["cache_folder", "load_module"]
 
 HELPERS = [
+    "columns",
     "direct",
     "elementary",
     "emit",

@@ -6,32 +6,46 @@ The line stands in the generated module as text, an operation a line; `lower` tu
 from __future__ import annotations
 
 import functools
+import itertools
 import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from holonom.trace.graph import Graph, Scalar, live_nodes
 
 if TYPE_CHECKING:
-    from holonom.trace.lanes import Lanes
+    from holonom.trace.columns import Columns
 
 __all__ = [
+    "BLOCK_FLAGS",
+    "SCALAR_FLAGS",
     "TAKEN",
+    "TOGETHER",
     "Field",
+    "Parts",
     "Results",
     "emit_block",
     "emit_made",
     "emit_pointer",
     "emit_single",
+    "intrinsic",
     "lanes_at_once",
+    "loads",
     "operand",
+    "register",
+    "stored_at_once",
+    "stores",
     "straight_line",
 ]
 
 SHORT = 1000
 """Operations of a line up to which two registers are faster than one (measured: even at 900 to 1,400)."""
+LONG = 10000
+"""Operations of a line from which on a batch's results go through memory: to transpose them is a loop then."""
+TOGETHER = (16, 8, 4, 2, 1)
+"""Numbers of a row that are written together, best first."""
 Results = Mapping[str, list[str]]
 BLOCK_FLAGS = ("contract", "nsz", "arcp")  # "reassoc" gains nothing here, and LLVM got one of 504 outputs wrong with it
 SCALAR_FLAGS = ("contract", "nsz")
@@ -45,9 +59,13 @@ from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.lower import lower
 from holonom.trace.remainder import back, filled_up
 from holonom.trace.results import Results, entry, exists, made_like, nothing
+from holonom.trace.transpose import across
 
 '''
-WORDS = "branch buf check finite first last like made place pointer range result rows shared single spread start whole"
+WORDS = (
+    "branch buf check column finite first last like line made min own place pointer range result rows shared single "
+    "spread start whole"
+)
 TAKEN = frozenset(re.findall(r"\w+", MODULE)) | frozenset([*WORDS.split(), "RESULT", "straight_line"])
 """Names that the text of a module uses itself: no input or output may have one."""
 
@@ -64,6 +82,13 @@ class Field:
     def width(self) -> int:
         """Numbers per sample."""
         return math.prod(self.shape)
+
+
+class Parts(Protocol):
+    """A line in parts."""
+
+    def line(self, body: Sequence[str], inputs: Sequence[Field], outputs: Sequence[Field], results: Results) -> str:
+        """Text of `straight_line(inputs, outputs)`; `body` is the line that is no part of its own."""
 
 
 def operand(graph: Graph, i: object) -> str:
@@ -116,11 +141,13 @@ def _names(fields: Sequence[Field]) -> list[str]:
     return [f"{f.name}_{k}" for f in fields for k in range(f.width)]
 
 
-def _loads(fields: Sequence[Field]) -> list[str]:
+def loads(fields: Sequence[Field]) -> list[str]:
+    """Lines that name the numbers of arrays."""
     return [f"{f.name}_{k} = {f.name}[{k}]" for f in fields for k in range(f.width)]
 
 
-def _stores(fields: Sequence[Field], results: Results) -> list[str]:
+def stores(fields: Sequence[Field], results: Results) -> list[str]:
+    """Lines that write results to arrays."""
     return [f"{f.name}[{k}] = {results[f.name][k]}" for f in fields for k in range(f.width)]
 
 
@@ -134,12 +161,15 @@ def _check(inputs: Sequence[Field]) -> list[str]:
     return [*lines, f"check = {total} * 0.0"]
 
 
-def _intrinsic(name: str, program: Sequence[str], arguments: Sequence[str], flags: tuple[str, ...], lanes: int) -> str:
+def intrinsic(
+    name: str, program: Sequence[str], arguments: Sequence[str], flags: tuple[str, ...], lanes: int, columns: int = 0
+) -> str:
     """Text of an intrinsic that runs a straight line on its arguments."""
     text, table = "\n".join(program), ", ".join(f'"{a}": {a}' for a in arguments)
+    more = f", columns={columns}" if columns else ""
     return (
         f'{name.upper()} = """\\\n{text}\n"""\n\n\n@intrinsic\ndef {name}(context, {", ".join(arguments)}):\n'
-        f"    return lower({name.upper()}, {{{table}}}, {flags!r}, lanes={lanes})\n\n\n"
+        f"    return lower({name.upper()}, {{{table}}}, {flags!r}, lanes={lanes}{more})\n\n\n"
     )
 
 
@@ -162,18 +192,23 @@ def lanes_at_once(operations: int) -> int:
 
 
 def emit_block(
-    title: str, body: Sequence[str], inputs: Sequence[Field], outputs: Sequence[Field], results: Results
+    title: str,
+    body: Sequence[str],
+    inputs: Sequence[Field],
+    outputs: Sequence[Field],
+    results: Results,
+    columns: Columns | None = None,
 ) -> str:
     """Return the module of the batch form: `rows(in1 (N, w1), ..., out1 (N, v1), ..., first, last) -> check`."""
-    lanes, every = lanes_at_once(len(body)), (*inputs, *outputs)
-    program = [*_loads(inputs), *_check(inputs), *body, *_stores(outputs, results), "return check"]
+    longest = max(len(body), len(columns.body) if columns else 0)
+    lanes, every = lanes_at_once(longest), (*inputs, *outputs)
     names = [f.name for f in every]
     arrays, kinds = ", ".join(names), ", ".join(f"{_scalar(f)}[:, ::1]" for f in every)
     here = ", ".join(f"{name}_here" for name in names)
     filled = ", ".join(f"filled_up({name}, whole, last, {lanes})" for name in names)
     return (
         MODULE.format(title=title, count=len(body))
-        + _intrinsic("straight_line", program, [*names, "start"], BLOCK_FLAGS, lanes)
+        + _samples(body, inputs, outputs, results, columns, lanes)
         + f'@njit(types.float64({kinds}, types.int64, types.int64), nogil=True, error_model="numpy", cache=True)\n'
         + f"def rows({arrays}, first, last):\n"
         + "    check = 0.0\n"
@@ -191,24 +226,62 @@ def emit_block(
     )
 
 
+def _samples(
+    body: Sequence[str],
+    inputs: Sequence[Field],
+    outputs: Sequence[Field],
+    results: Results,
+    columns: Columns | None,
+    lanes: int,
+) -> str:
+    """Text of `straight_line(inputs, outputs, place) -> check`: as many samples as there are lanes.
+
+    That of a long line, or one with columns after it, leaves all numbers in memory, one of all samples after the other.
+    """
+    given, taken = [f.name for f in inputs], [f.name for f in outputs]
+    begin = [*loads(inputs), *_check(inputs)]
+    if columns is None and len(body) < LONG:
+        program = [*begin, *body, *stores(outputs, results), "return check"]
+        return intrinsic("straight_line", program, [*given, *taken, "start"], BLOCK_FLAGS, lanes)
+    found = [Field(f"_{f.name}", f.shape) for f in outputs]
+    left = found if columns is None else columns.given
+    values = {f"_{name}": values for name, values in results.items()} if columns is None else results
+    program = [*begin, *stored_at_once(body, stores(left, values)), "return check"]
+    text = intrinsic("line", program, [*given, *(f.name for f in left), "start"], BLOCK_FLAGS, lanes)
+    steps = [f"check = line({', '.join((*given, *(f.name for f in left)))}, place)"]
+    if columns is not None:
+        arguments = ["shared", "own", *(f.name for f in found)]
+        text += columns.text(found, lanes, across=False)
+        steps += [f"for k in range({columns.count}):", f"    column({', '.join(arguments)}, k)"]
+    for f, name in zip(found, taken, strict=True):
+        size = next(size for size in TOGETHER if size <= f.width)
+        steps += [
+            f"for k in range(0, {f.width}, {size}):",
+            f"    across({f.name}, {name}, place, min(k, {f.width - size}), {f.width}, {size}, {lanes})",
+        ]
+    room = [f"{f.name} = np.empty({lanes * f.width})" for f in dict.fromkeys((*left, *found))]
+    lines = "".join(f"    {step}\n" for step in (*room, *steps, "return check"))
+    head = f'@njit(inline="always")\ndef straight_line({", ".join((*given, *taken))}, place):\n'
+    return f"{text}{head}{lines}\n\n"
+
+
 def emit_single(
     title: str,
     body: Sequence[str],
     inputs: Sequence[Field],
     outputs: Sequence[Field],
     results: Results,
-    lanes: Lanes | None = None,
+    parts: Parts | None = None,
 ) -> str:
     """Return the module of the one-sample form: `single(in1, ..., out1, ...) -> status`; 0 is fine."""
     every = (*inputs, *outputs)
     given, taken = [f.name for f in inputs], [f.name for f in outputs]
     kinds = [f"ArrayObject({_scalar(f)}, {f.shape}, {f in outputs})" for f in every]
-    check = [*_loads(inputs), *_check(inputs), "return check"]
-    stores = _stores(outputs, lanes.results if lanes else results)
+    check = [*loads(inputs), *_check(inputs), "return check"]
     return (
         MODULE.format(title=title, count=len(body))
-        + _intrinsic("finite", check, given, SCALAR_FLAGS, 1)
-        + _line(given, taken, _loads(inputs), body, stores, lanes)
+        + intrinsic("finite", check, given, SCALAR_FLAGS, 1)
+        + _line(body, inputs, outputs, results, parts)
         + f'@njit(types.int64({", ".join(kinds)}), error_model="numpy", cache=True)\n'
         + f"def single({', '.join((*given, *taken))}):\n"
         + f"    if not ({' and '.join(f'fits({name})' for name in (*given, *taken))}):\n        return 1\n"
@@ -223,7 +296,7 @@ def emit_made(
     inputs: Sequence[Field],
     outputs: Sequence[Field],
     results: Results,
-    lanes: Lanes | None = None,
+    parts: Parts | None = None,
 ) -> str:
     """Return the module of the form that makes its result: `made(in1, ..., like) -> result`, or None.
 
@@ -232,13 +305,12 @@ def emit_made(
     given, taken = [f.name for f in inputs], [f.name for f in outputs]
     kinds = [f"ArrayObject({_scalar(f)}, {f.shape}, {f in outputs})" for f in (*inputs, *outputs)]
     result = kinds[-1] if len(outputs) == 1 else f"Results([{', '.join(kinds[len(inputs) :])}])"
-    check = [*_loads(inputs), *_check(inputs), "return check"]
-    stores = _stores(outputs, lanes.results if lanes else results)
+    check = [*loads(inputs), *_check(inputs), "return check"]
     places = ", ".join([_arrays(given), *(f"array_of(entry(result, {k}))" for k in range(len(outputs)))])
     return (
         MODULE.format(title=title, count=len(body))
-        + _intrinsic("finite", check, given, SCALAR_FLAGS, 1)
-        + _line(given, taken, _loads(inputs), body, stores, lanes)
+        + intrinsic("finite", check, given, SCALAR_FLAGS, 1)
+        + _line(body, inputs, outputs, results, parts)
         + f"RESULT = {result}\n\n\n"
         + f'@njit(RESULT({", ".join(kinds[: len(inputs)])}, RESULT), error_model="numpy", cache=True)\n'
         + f"def made({', '.join(given)}, like):\n"
@@ -259,23 +331,25 @@ def emit_pointer(
     inputs: Sequence[Field],
     outputs: Sequence[Field],
     results: Results,
-    lanes: Lanes | None = None,
+    parts: Parts | None = None,
 ) -> str:
     """Return the module of the C form: `pointer(double* in, double* out)`, all inputs then all outputs in a row."""
-    names, found = _names(inputs), lanes.results if lanes else results
-    values = [value for f in outputs for value in found[f.name]]
-    loads = [f"{name} = a[{k}]" for k, name in enumerate(names)]
-    stores = [f"b[{k}] = {value}" for k, value in enumerate(values)]
     return (
         MODULE.format(title=title, count=len(body))
-        + _line("a", "b", loads, body, stores, lanes)
+        + _line(body, inputs, outputs, results, parts)
         + "@cfunc(types.void(types.CPointer(types.float64), types.CPointer(types.float64)), "
         + 'error_model="numpy", cache=True)\ndef pointer(source, target):\n'
-        + f"    straight_line(carray(source, {len(names)}), carray(target, {len(values)}))\n"
+        + f"    straight_line({', '.join((*_in_a_row('source', inputs), *_in_a_row('target', outputs)))})\n"
     )
 
 
-def _stored_at_once(body: Sequence[str], stores: Sequence[str]) -> list[str]:
+def _in_a_row(name: str, fields: Sequence[Field]) -> list[str]:
+    """Text of the arrays that lie one after the other behind a pointer."""
+    ends = list(itertools.accumulate(f.width for f in fields))
+    return [f"carray({name}, {ends[-1]})[{end - f.width}:{end}]" for f, end in zip(fields, ends, strict=True)]
+
+
+def stored_at_once(body: Sequence[str], stores: Sequence[str]) -> list[str]:
     """The lines, each store behind the line that makes its value: nothing has to be remembered for the end."""
     waiting: dict[str, list[str]] = {}
     for store in stores:
@@ -289,22 +363,14 @@ def _stored_at_once(body: Sequence[str], stores: Sequence[str]) -> list[str]:
 
 
 def _line(
-    given: Sequence[str],
-    taken: Sequence[str],
-    loads: Sequence[str],
     body: Sequence[str],
-    stores: Sequence[str],
-    lanes: Lanes | None,
+    inputs: Sequence[Field],
+    outputs: Sequence[Field],
+    results: Results,
+    parts: Parts | None,
 ) -> str:
-    """Text of `straight_line(inputs, outputs)`; with lanes in three parts, which hand on what they know in `buf`."""
-    if lanes is None:
-        program = [*loads, *_stored_at_once(body, stores)]
-        return _intrinsic("straight_line", program, [*given, *taken], SCALAR_FLAGS, 1)
-    return (
-        _intrinsic("shared", [*loads, *lanes.shared], [*given, "buf"], SCALAR_FLAGS, 1)
-        + _intrinsic("branch", lanes.branch, ["buf"], BLOCK_FLAGS, lanes.width)
-        + _intrinsic("spread", [*lanes.loads, *stores], ["buf", *taken], SCALAR_FLAGS, 1)
-        + f'@njit(error_model="numpy", cache=True)\ndef straight_line({", ".join((*given, *taken))}):\n'
-        + f"    buf = scratch({lanes.size})\n    shared({', '.join(given)}, buf)\n    branch(buf)\n"
-        + f"    spread(buf, {', '.join(taken)})\n\n\n"
-    )
+    """Text of `straight_line(inputs, outputs)`; with lanes or columns in parts, which hand on what they know in memory."""
+    if parts is not None:
+        return parts.line(body, inputs, outputs, results)
+    program = [*loads(inputs), *stored_at_once(body, stores(outputs, results))]
+    return intrinsic("straight_line", program, [f.name for f in (*inputs, *outputs)], SCALAR_FLAGS, 1)

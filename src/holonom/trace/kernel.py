@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 
 from holonom.errors import InputError, ShapeError
 from holonom.trace.cache import load_module
+from holonom.trace.columns import Columns, columns_of
 from holonom.trace.emit import (
     TAKEN,
     Field,
+    Parts,
     emit_block,
     emit_made,
     emit_pointer,
@@ -24,7 +26,7 @@ from holonom.trace.emit import (
     straight_line,
 )
 from holonom.trace.graph import Graph, Scalar
-from holonom.trace.lanes import Lanes, lanes_of
+from holonom.trace.lanes import lanes_of
 from holonom.trace.real import real_array
 from holonom.trace.threads import check_threads, share
 
@@ -47,6 +49,7 @@ def compile(
     name: str,
     integers: Sequence[str] = (),
     branches: bool = False,
+    columns: Callable[..., Any] | None = None,
     result: Callable[..., Any] | None = None,
 ) -> Kernel:
     """Trace an equation once and return its kernel; machine code is made on first use, or loaded from the cache.
@@ -64,6 +67,10 @@ def compile(
         Outputs that hold small integers and are stored as int8.
     branches
         The outputs have a row per branch, all by like equations: one sample's branches then run side by side.
+    columns
+        The outputs are made column by column, as their last axes count them: `columns(shared, own)` gives one column of
+        each, of what `equation` then returns instead of outputs: a flat sequence that all columns share, and rows of
+        numbers, one for each column. Written out, they would be a line too long to compile.
     result
         Of several outputs, what a call returns: a function of their arrays, in order, that gives a tuple which begins
         with them (perhaps viewed as another type). By default a plain tuple.
@@ -79,14 +86,15 @@ def compile(
     ins = [_field(key, shape, key in integers) for key, shape in inputs.items()]
     outs = [_field(key, shape, key in integers) for key, shape in outputs.items()]
     raw = equation(*([graph.input(f.name, k) for k in range(f.width)] for f in ins))
-    values = [raw] if len(outs) == 1 else list(raw)
+    values = [raw] if len(outs) == 1 and columns is None else list(raw)
+    loop = columns_of(name, columns, len(values[0]), len(values[1]), outs) if columns else None
     results: dict[str, list[Scalar]] = {}
-    for f, value in zip(outs, values, strict=True):
+    for f, value in zip(loop.given if loop else outs, values, strict=True):
         scalars = [v if isinstance(v, Scalar) else graph.constant(float(v)) for v in value]
         if len(scalars) != f.width:
             raise ShapeError(f"equation {name!r} gives {len(scalars)} numbers for {f.name!r}; {f.width} were declared")
         results[f.name] = scalars
-    return Kernel(name, tuple(ins), tuple(outs), graph, results, branches, result or _plain)
+    return Kernel(name, tuple(ins), tuple(outs), graph, results, branches, loop, result or _plain)
 
 
 def _apart(rows: Sequence[Array], results: Sequence[Array]) -> Sequence[Array]:
@@ -126,29 +134,31 @@ class Kernel:
         graph: Graph,
         results: Mapping[str, list[Scalar]],
         branches: bool = False,
+        columns: Columns | None = None,
         result: Callable[..., Any] = _plain,
     ) -> None:
         self.name, self.inputs, self.outputs, self.result = name, inputs, outputs, result
         self._body = straight_line(graph, [s for values in results.values() for s in values])
         self._results = {key: [operand(graph, s.i) for s in values] for key, values in results.items()}
-        lanes = functools.partial(lanes_of, graph, outputs, results) if branches else lambda: None
-        self._lanes: Callable[[], Lanes | None] = functools.cache(lanes)
+        self._columns = columns
+        lanes = functools.partial(lanes_of, graph, outputs, results) if branches else lambda: columns
+        self._parts: Callable[[], Parts | None] = functools.cache(lanes)
         self._allocate = [(f.shape, np.dtype(np.int8 if f.integer else np.float64)) for f in outputs]
 
     @property
     def operations(self) -> int:
-        """Live operations after simplification."""
-        return len(self._body)
+        """Live operations after simplification; those of a column count for each."""
+        return len(self._body) + (self._columns.count * len(self._columns.body) if self._columns else 0)
 
     @property
     def source(self) -> str:
         """Readable text of the one-sample form."""
-        return self.text(emit_single, self._lanes())
+        return self.text(emit_single, self._parts())
 
     @property
     def block_source(self) -> str:
         """Readable text of the batch form."""
-        return self.text(emit_block)
+        return self.text(emit_block, self._columns)
 
     def text(self, emit: Callable[..., str], *more: Any) -> str:
         """Text of another form, written by `emit(title, body, inputs, outputs, results, *more)`."""
@@ -162,17 +172,17 @@ class Kernel:
     @functools.cached_property
     def made(self) -> Callable[..., Any]:
         """The compiled one-sample form that makes its result: `made(in1, ..., like)` or None (see `emit_made`)."""
-        return load_module(f"{self.name}_made", self.text(emit_made, self._lanes())).made
+        return load_module(f"{self.name}_made", self.text(emit_made, self._parts())).made
 
     @functools.cached_property
     def rows(self) -> Callable[..., float]:
         """The compiled batch form: `rows(in1 (N, w), ..., out1 (N, v), ..., first, last)`; not 0.0 if NaN came in."""
-        return load_module(f"{self.name}_rows", self.text(emit_block)).rows
+        return load_module(f"{self.name}_rows", self.text(emit_block, self._columns)).rows
 
     @functools.cached_property
     def address(self) -> int:
         """Address of the C form `void(double* inputs, double* outputs)`, for compiled loops over any robot."""
-        return load_module(f"{self.name}_pointer", self.text(emit_pointer, self._lanes())).pointer.address
+        return load_module(f"{self.name}_pointer", self.text(emit_pointer, self._parts())).pointer.address
 
     def __call__(self, *arrays: Any, out: Any = None, threads: int = 1) -> Any:
         """Evaluate one sample or a batch.

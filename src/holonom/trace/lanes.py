@@ -11,7 +11,17 @@ import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from holonom.trace.emit import Field, Results, operand, straight_line
+from holonom.trace.emit import (
+    BLOCK_FLAGS,
+    SCALAR_FLAGS,
+    Field,
+    Results,
+    intrinsic,
+    loads,
+    operand,
+    stores,
+    straight_line,
+)
 from holonom.trace.graph import Graph, Op, Scalar
 
 __all__ = ["Lanes", "lanes_of"]
@@ -42,6 +52,18 @@ class Lanes:
     loads: Sequence[str]
     results: Results
 
+    def line(self, body: Sequence[str], inputs: Sequence[Field], outputs: Sequence[Field], results: Results) -> str:
+        """Text of `straight_line(inputs, outputs)` in these parts (see `Parts`)."""
+        given, taken = [f.name for f in inputs], [f.name for f in outputs]
+        return (
+            intrinsic("shared", [*loads(inputs), *self.shared], [*given, "buf"], SCALAR_FLAGS, 1)
+            + intrinsic("branch", self.branch, ["buf"], BLOCK_FLAGS, self.width)
+            + intrinsic("spread", [*self.loads, *stores(outputs, self.results)], ["buf", *taken], SCALAR_FLAGS, 1)
+            + f'@njit(inline="always")\ndef straight_line({", ".join((*given, *taken))}):\n'
+            + f"    buf = scratch({self.size})\n    shared({', '.join(given)}, buf)\n    branch(buf)\n"
+            + f"    spread(buf, {', '.join(taken)})\n\n\n"
+        )
+
 
 def lanes_of(graph: Graph, outputs: Sequence[Field], results: Mapping[str, Sequence[Scalar]]) -> Lanes | None:
     """Lay the rows of all outputs side by side; None if no vector of `WIDTHS` is full of them."""
@@ -59,10 +81,10 @@ def lanes_of(graph: Graph, outputs: Sequence[Field], results: Mapping[str, Seque
     branch = [f"lane_{k} = buf[{k}]" for k in range(len(given))]
     branch += straight_line(lane, wanted)
     branch += [f"buf[{len(given) + k}] = {operand(lane, s.i)}" for k, s in enumerate(wanted)]
-    loads = [f"found_{k} = buf[{len(starts) + k}]" for k in range(len(places))]
+    found_again = [f"found_{k} = buf[{len(starts) + k}]" for k in range(len(places))]
     names = {place: f"found_{k}" for k, place in enumerate(places)}
     found = {f.name: [names[f.name, k] for k in range(f.width)] for f in outputs}
-    return Lanes(width, len(starts) + len(places), shared, branch, loads, found)
+    return Lanes(width, len(starts) + len(places), shared, branch, found_again, found)
 
 
 def _side_by_side(graph: Graph, columns: Sequence[Rows]) -> tuple[Graph, list[Scalar], list[Rows]]:

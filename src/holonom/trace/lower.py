@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import functools
 import re
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -18,7 +17,7 @@ from numba import types
 
 from holonom.trace.elementary import ELEMENTARY, parameters, traced
 from holonom.trace.emit import operand, straight_line
-from holonom.trace.transpose import itemsize, load_columns, store_columns
+from holonom.trace.transpose import itemsize, load_columns, splat, store_columns
 
 __all__ = ["lower"]
 
@@ -30,7 +29,7 @@ CALL = re.compile(r"(\w+)\((.*)\)")
 
 
 def lower(
-    program: str, arguments: Mapping[str, Any], flags: Sequence[str], *, lanes: int = 1
+    program: str, arguments: Mapping[str, Any], flags: Sequence[str], *, lanes: int = 1, columns: int = 0
 ) -> tuple[Any, Callable[..., Any]]:
     """Return signature and code generator of an intrinsic that runs `program`.
 
@@ -40,12 +39,15 @@ def lower(
         One operation a line; a last line `return x, ...` gives values: of several lanes, their sums.
     arguments
         Name -> Numba type: doubles, and arrays that are read and written, C-contiguous. `a[k]` is place k of the flat
-        array; with lanes, as many places from `lanes * k` on. An argument "start" makes them rows: `a[k]` is then
-        number k of the rows from `start` on, one a lane.
+        array; with lanes, as many places from `lanes * k` on. An argument "start" makes those of two axes rows: `a[k]`
+        is then number k of the rows from `start` on, one a lane. Of arrays but "shared", an argument "column" makes
+        `a[k]` number k of that column; "across" of as many columns from there on, one a lane, which share "shared".
     flags
         Fast-math flags of the arithmetic.
     lanes
-        Samples that are computed at once.
+        Samples that are computed at once, or columns.
+    columns
+        Columns of each array, if any.
     """
     lines = program.splitlines()
     wanted = lines.pop().removeprefix("return ").split(", ") if lines[-1].startswith("return ") else []
@@ -54,17 +56,25 @@ def lower(
     def generate(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
         given = dict(zip(arguments, args, strict=True))
         kinds = dict(zip(arguments, signature.args, strict=True))
-        start = given.pop("start", None)
-        data = {
-            name: (ctx.make_array(kinds[name])(ctx, builder, value).data, ctx.get_data_type(kinds[name].dtype))
-            for name, value in given.items()
-            if isinstance(kinds[name], types.Array)
-        }
-        memory = _Places(builder, data, lanes) if start is None else _Rows(builder, data, lanes, start, lines)
+        start, column, across = (given.pop(name, None) for name in ("start", "column", "across"))
+        memory: dict[str, _Places | _Rows] = {}
+        for name in [name for name in given if isinstance(kinds[name], types.Array)]:
+            first, held = ctx.make_array(kinds[name])(ctx, builder, given.pop(name)).data, ctx.get_data_type(kinds[name].dtype)
+            if start is not None and kinds[name].ndim == 2:
+                width = len({side for each in lines for side in each.split(" = ") if side.startswith(f"{name}[")})
+                memory[name] = _Rows(builder, first, held, lanes, start, width)
+            elif name == "shared" and across is not None:
+                memory[name] = _Places(builder, first, held, lanes, 1, same=True)
+            elif name == "shared" or not columns:
+                memory[name] = _Places(builder, first, held, lanes, lanes)
+            else:
+                begin, step = (across, columns) if column is None else (builder.mul(column, LONG(lanes)), lanes * columns)
+                memory[name] = _Places(builder, builder.gep(first, [begin], source_etype=held), held, lanes, step)
         line = _Assembler(builder, memory, flags, lanes)
-        line.values.update((name, value) for name, value in given.items() if name not in data)
+        line.values.update(given)
         line.run(lines)
-        memory.close()
+        for each in memory.values():
+            each.close()
         sums = [line.sum(line.value(word)) for word in wanted]
         if len(sums) > 1:
             return ctx.make_tuple(builder, result, sums)
@@ -81,62 +91,49 @@ def _elementary(name: str) -> tuple[Sequence[str], Sequence[str], Sequence[str]]
     return [f"{each}_0" for each in parameters(name)], lines, [operand(graph, value.i) for value in found]
 
 
-Data = Mapping[str, tuple[Any, Any]]
-"""Arrays by name: pointer to the first number, and LLVM type of what is held."""
-
-
 class _Places:
-    """Flat arrays: place k of all lanes lies in one piece."""
+    """An array of which the numbers k of all lanes lie in one piece, `step` after those before (or are one and the same)."""
 
-    def __init__(self, builder: Any, data: Data, lanes: int) -> None:
-        self.builder, self.data, self.lanes = builder, data, lanes
+    def __init__(self, builder: Any, first: Any, held: Any, lanes: int, step: int, *, same: bool = False) -> None:
+        self.builder, self.first, self.held, self.step = builder, first, held, step
+        self.lanes, self.same = lanes, same and lanes > 1
+        self.kind = held if lanes == 1 or same else ir.VectorType(held, lanes)
 
-    def load(self, name: str, index: int) -> Any:
-        place, kind = self._place(name, index)
-        return self.builder.load(place, typ=kind, align=itemsize(DOUBLE))
+    def load(self, index: int) -> Any:
+        value = self.builder.load(self._place(index), typ=self.kind, align=itemsize(self.held))
+        return splat(self.builder, value, self.lanes) if self.same else value
 
-    def store(self, name: str, index: int, value: Any) -> None:
-        place, kind = self._place(name, index)
-        self.builder.store(_as_held(self.builder, value, kind), place, align=itemsize(self.data[name][1]))
+    def store(self, index: int, value: Any) -> None:
+        self.builder.store(_as_held(self.builder, value, self.kind), self._place(index), align=itemsize(self.held))
 
     def close(self) -> None:
         """All is written."""
 
-    def _place(self, name: str, index: int) -> tuple[Any, Any]:
-        first, held = self.data[name]
-        kind = held if self.lanes == 1 else ir.VectorType(held, self.lanes)
-        where = self.builder.gep(first, [LONG(self.lanes * index)], source_etype=held)
-        return self.builder.bitcast(where, kind.as_pointer()), kind
+    def _place(self, index: int) -> Any:
+        where = self.builder.gep(self.first, [LONG(self.step * index)], source_etype=self.held)
+        return self.builder.bitcast(where, self.kind.as_pointer())
 
 
 class _Rows:
-    """Arrays with a sample a row, as wide as the lines say; what is stored is written at the end."""
+    """An array with a sample a row, and so many numbers in it; what is stored is written at the end."""
 
-    def __init__(self, builder: Any, data: Data, lanes: int, start: Any, lines: Sequence[str]) -> None:
-        self.builder, self.lanes = builder, lanes
-        named = [found[1] for line in lines for side in line.split(" = ") if (found := LOAD.fullmatch(side))]
-        self.widths = Counter(named)
-        self.first = {
-            name: builder.gep(data[name][0], [builder.mul(start, LONG(width))], source_etype=data[name][1])
-            for name, width in self.widths.items()
-        }
-        self.held = {name: held for name, (_, held) in data.items()}
-        self.columns: dict[str, list[Any]] = {}
-        self.written: dict[str, list[Any]] = {name: [None] * width for name, width in self.widths.items()}
+    def __init__(self, builder: Any, first: Any, held: Any, lanes: int, start: Any, width: int) -> None:
+        self.builder, self.held, self.lanes = builder, held, lanes
+        self.first = builder.gep(first, [builder.mul(start, LONG(width))], source_etype=held)
+        self.columns: list[Any] = []
+        self.written: list[Any] = [None] * width
 
-    def load(self, name: str, index: int) -> Any:
-        if name not in self.columns:
-            self.columns[name] = load_columns(self.builder, self.first[name], self.widths[name], self.lanes)
-        return self.columns[name][index]
+    def load(self, index: int) -> Any:
+        if not self.columns:
+            self.columns = load_columns(self.builder, self.first, len(self.written), self.lanes)
+        return self.columns[index]
 
-    def store(self, name: str, index: int, value: Any) -> None:
-        kind = ir.VectorType(self.held[name], self.lanes)
-        self.written[name][index] = _as_held(self.builder, value, kind)
+    def store(self, index: int, value: Any) -> None:
+        self.written[index] = _as_held(self.builder, value, ir.VectorType(self.held, self.lanes))
 
     def close(self) -> None:
-        for name, columns in self.written.items():
-            if columns[0] is not None:
-                store_columns(self.builder, self.first[name], columns, self.lanes)
+        if self.written[0] is not None:
+            store_columns(self.builder, self.first, self.written, self.lanes)
 
 
 def _as_held(builder: Any, value: Any, kind: Any) -> Any:
@@ -147,7 +144,7 @@ def _as_held(builder: Any, value: Any, kind: Any) -> Any:
 class _Assembler:
     """Emits one straight line; `values` maps names to LLVM values."""
 
-    def __init__(self, builder: Any, memory: _Places | _Rows, flags: Sequence[str], lanes: int) -> None:
+    def __init__(self, builder: Any, memory: Mapping[str, _Places | _Rows], flags: Sequence[str], lanes: int) -> None:
         self.builder, self.memory, self.flags, self.lanes = builder, memory, tuple(flags), lanes
         self.kind = DOUBLE if lanes == 1 else ir.VectorType(DOUBLE, lanes)
         self.values: dict[str, Any] = {}
@@ -156,7 +153,7 @@ class _Assembler:
         for line in lines:
             target, _, expression = line.partition(" = ")
             if stored := LOAD.fullmatch(target):
-                self.memory.store(stored[1], int(stored[2]), self.value(expression))
+                self.memory[stored[1]].store(int(stored[2]), self.value(expression))
             elif "," in target:
                 self.values.update(zip(target.split(", "), self.call(expression), strict=True))
             else:
@@ -164,7 +161,7 @@ class _Assembler:
 
     def evaluate(self, expression: str) -> Any:
         if loaded := LOAD.fullmatch(expression):
-            return self.memory.load(loaded[1], int(loaded[2]))
+            return self.memory[loaded[1]].load(int(loaded[2]))
         if expression.endswith(")"):
             return self.call(expression)[0]
         words = expression.split(" ")

@@ -10,8 +10,10 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
 
-__all__ = ["itemsize", "load_columns", "store_columns"]
+__all__ = ["across", "itemsize", "load_columns", "splat", "store_columns"]
 
 DOUBLE, INDEX, LONG = ir.DoubleType(), ir.IntType(32), ir.IntType(64)
 
@@ -31,17 +33,18 @@ def load_columns(builder: Any, rows: Any, width: int, lanes: int) -> list[Any]:
     return columns
 
 
-def store_columns(builder: Any, rows: Any, columns: Sequence[Any], lanes: int) -> None:
-    """Store vectors as `load_columns` would find them; of numbers of any type.
+def store_columns(builder: Any, rows: Any, columns: Sequence[Any], lanes: int, width: int | None = None) -> None:
+    """Store vectors as `load_columns` would find them; of numbers of any type, in rows that may be wider.
 
     Row after row, for memory is written in whole lines; of wide rows `TOGETHER` columns after as many, for registers
     hold only so many.
     """
-    kind, width = columns[0].type.element, len(columns)
-    for some in range(0, width, TOGETHER):
+    kind = columns[0].type.element
+    width = width or len(columns)
+    for some in range(0, len(columns), TOGETHER):
         pieces = [
             (first, size, _transposed(builder, columns[first : first + size], size, lanes))
-            for first, size in _pieces(width, lanes)
+            for first, size in _pieces(len(columns), lanes)
             if some <= first < some + TOGETHER
         ]
         for row in range(lanes):
@@ -52,9 +55,39 @@ def store_columns(builder: Any, rows: Any, columns: Sequence[Any], lanes: int) -
                 builder.store(part, place, align=itemsize(kind))
 
 
+def _across(context: Any, found: Any, rows: Any, start: Any, first: Any, width: Any, count: Any, lanes: Any) -> Any:
+    """Numbers first, ..., first + count - 1 of all lanes, `found` (width, lanes) flat, to the rows from `start` on."""
+    wide, together, many = (each.literal_value for each in (width, count, lanes))
+
+    def generate(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
+        source, target = (ctx.make_array(t)(ctx, builder, a).data for t, a in zip(signature.args[:2], args[:2], strict=True))
+        held, vector = ctx.get_data_type(rows.dtype), ir.VectorType(DOUBLE, many)
+        columns = []
+        for k in range(together):
+            place = builder.mul(builder.add(args[3], LONG(k)), LONG(many))
+            where = builder.bitcast(builder.gep(source, [place], source_etype=DOUBLE), vector.as_pointer())
+            value = builder.load(where, typ=vector, align=itemsize(DOUBLE))
+            columns.append(value if held == DOUBLE else builder.fptosi(value, ir.VectorType(held, many)))
+        place = builder.add(builder.mul(args[2], LONG(wide)), args[3])
+        store_columns(builder, builder.gep(target, [place], source_etype=held), columns, many, wide)
+        return ctx.get_dummy_value()
+
+    return types.void(found, rows, types.int64, types.int64, width, count, lanes), generate
+
+
+across: Any = intrinsic(prefer_literal=True)(_across)
+"""`across(found, rows, start, first, width, count, lanes)`: some columns of numbers that lie sample by sample, into rows."""
+
+
 def itemsize(kind: Any) -> int:
     """Bytes of a number of an LLVM type, which are its alignment too."""
     return 8 if kind == DOUBLE else kind.width // 8
+
+
+def splat(builder: Any, value: Any, lanes: int) -> Any:
+    """A vector of which every lane is the value."""
+    first = builder.insert_element(ir.Constant(ir.VectorType(value.type, lanes), ir.Undefined), value, INDEX(0))
+    return _shuffled(builder, first, first, [0] * lanes)
 
 
 def _pieces(width: int, lanes: int) -> Iterator[tuple[int, int]]:

@@ -7,6 +7,7 @@ answers linearly, with I S'' + 2 B S'; the torque of a joint sums that over all 
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -28,7 +29,7 @@ from holonom.mechanics.equations.carried import (
 )
 from holonom.mechanics.equations.composite_body import independent, joint_inertia, with_rotors
 from holonom.mechanics.equations.coriolis import joint_coriolis
-from holonom.mechanics.equations.forward_dynamics import solve_ldl
+from holonom.mechanics.equations.forward_dynamics import factor_ldl, solve_factored
 from holonom.mechanics.equations.inertia import Inertial
 from holonom.mechanics.equations.kinematics import gather, spread
 from holonom.mechanics.equations.newton_euler import friction_slope, friction_torque
@@ -36,7 +37,13 @@ from holonom.mechanics.equations.vectors import Vector, add, cross, dot, matmul,
 from holonom.model import ArmModel
 from holonom.trace import Number
 
-__all__ = ["Derivatives", "forward_dynamics_derivatives", "inverse_dynamics_derivatives"]
+__all__ = [
+    "Derivatives",
+    "forward_dynamics_column",
+    "forward_dynamics_columns",
+    "forward_dynamics_derivatives",
+    "inverse_dynamics_derivatives",
+]
 
 Rows = list[list[Number]]
 
@@ -70,6 +77,37 @@ def forward_dynamics_derivatives(
     model: ArmModel, bodies: Sequence[Inertial], q: Vector, qd: Vector, tau: Vector, *, friction: bool = False
 ) -> Derivatives:
     """d qdd / d(q, qd, tau) = (-B^-1 dtau/dq, -B^-1 dtau/dqd, B^-1) at the motion that the torques cause."""
+    found, factor = _at_the_motion(model, bodies, q, qd, tau, friction)
+    inverse = _inverse(factor)
+    minus = [scale(-1.0, row) for row in inverse]
+    return Derivatives(matmul(minus, found.q), matmul(minus, found.qd), inverse)
+
+
+def forward_dynamics_columns(
+    model: ArmModel, bodies: Sequence[Inertial], q: Vector, qd: Vector, tau: Vector, *, friction: bool = False
+) -> tuple[list[Number], list[Number]]:
+    """The same in columns, which `forward_dynamics_column` makes: what they share, and what they start from.
+
+    That is the factor of B, and -dtau/dq, -dtau/dqd and 1, one below the other.
+    """
+    found, factor = _at_the_motion(model, bodies, q, qd, tau, friction)
+    minus = [scale(-1.0, row) for row in (*found.q, *found.qd)]
+    unit = [[float(i == k) for k in range(len(q))] for i in range(len(q))]
+    return [entry for row in factor for entry in row], [entry for row in (*minus, *unit) for entry in row]
+
+
+def forward_dynamics_column(shared: Vector, own: Vector) -> Derivatives:
+    """A column of each of the derivatives: B x = what it starts from."""
+    n = len(own) // 3
+    ends = [k * (k + 1) // 2 for k in range(n + 1)]
+    factor = [shared[begin:end] for begin, end in itertools.pairwise(ends)]
+    return Derivatives(*(solve_factored(factor, own[n * k : n * k + n]) for k in range(3)))
+
+
+def _at_the_motion(
+    model: ArmModel, bodies: Sequence[Inertial], q: Vector, qd: Vector, tau: Vector, friction: bool
+) -> tuple[Derivatives, Rows]:
+    """The inverse dynamics' derivatives at the motion that torques cause, and the factor of B."""
     c = chain(model, q, qd)
     each = of_bodies(c, bodies)
     sums = carried(model, each)
@@ -77,13 +115,10 @@ def forward_dynamics_derivatives(
     rest = _wrenches(c, each, _accelerations(c, rates, [0.0] * len(rates)))
     losses = [friction_torque(j.friction, u) if friction else 0.0 for j, u in zip(model.joints, rates, strict=True)]
     bias = gather(model, [power(S, f) + loss for S, f, loss in zip(c.axis, rest, losses, strict=True)])
-    B = independent(model, with_rotors(model, joint_inertia(c, sums)))
-    qdd = solve_ldl(B, [t - b for t, b in zip(tau, bias, strict=True)])
+    factor = factor_ldl(independent(model, with_rotors(model, joint_inertia(c, sums))))
+    qdd = solve_factored(factor, [t - b for t, b in zip(tau, bias, strict=True)])
     a = _accelerations(c, rates, spread(model, qdd, rates=True))
-    found = _derivatives(c, sums, _wrenches(c, each, a), a, qd, friction)
-    inverse = _inverse(B)
-    minus = [scale(-1.0, row) for row in inverse]
-    return Derivatives(matmul(minus, found.q), matmul(minus, found.qd), inverse)
+    return _derivatives(c, sums, _wrenches(c, each, a), a, qd, friction), factor
 
 
 def _accelerations(c: Chain, rates: Vector, accelerations: Vector) -> list[Twist]:
@@ -142,8 +177,8 @@ def _derivatives(
     return Derivatives(*(independent(model, part) for part in parts))
 
 
-def _inverse(B: Rows) -> Rows:
-    """Inverse of a symmetric positive definite matrix; its upper triangle is computed."""
-    n = len(B)
-    columns = [solve_ldl(B, [float(i == k) for i in range(n)]) for k in range(n)]
+def _inverse(factor: Rows) -> Rows:
+    """Inverse of a symmetric positive definite matrix, given its factor; its upper triangle is computed."""
+    n = len(factor)
+    columns = [solve_factored(factor, [float(i == k) for i in range(n)]) for k in range(n)]
     return [[columns[max(i, k)][min(i, k)] for k in range(n)] for i in range(n)]

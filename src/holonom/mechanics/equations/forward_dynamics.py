@@ -1,4 +1,4 @@
-"""Forward dynamics: B(q) qdd = tau - h(q, qd), solved by B = L D L^T, or by articulated bodies for long chains.
+"""Forward dynamics: B(q) qdd = tau - h(q, qd), solved by B = U D U^T, or by articulated bodies for long chains.
 
 No square root and no pivoting: B is positive definite.
 """
@@ -15,32 +15,42 @@ from holonom.mechanics.equations.vectors import Matrix, Vector, sub
 from holonom.model import ArmModel
 from holonom.trace import Number
 
-__all__ = ["forward_dynamics", "solve_ldl"]
+__all__ = ["factor_ldl", "forward_dynamics", "solve_factored", "solve_ldl"]
+
+
+def factor_ldl(B: Matrix) -> list[list[Number]]:
+    """Factor a symmetric positive definite B = U D U^T, U with ones on its diagonal and zeros below.
+
+    Row k is what stands above the diagonal in column k of U, then 1 / D[k]. Eliminated from the last row up: an arm's
+    distal rows are the cheap ones, and zeros of B stay zeros.
+    """
+    A = [list(row) for row in B]
+    factor: list[list[Number]] = [[] for _ in A]
+    for k in reversed(range(len(A))):
+        inverse = 1.0 / A[k][k]
+        factor[k] = [*(A[k][i] * inverse for i in range(k)), inverse]
+        for i in range(k):
+            for j in range(i + 1):
+                A[i][j] = A[i][j] - factor[k][i] * A[k][j]
+    return factor
+
+
+def solve_factored(factor: Matrix, b: Vector) -> list[Number]:
+    """Solve B x = b, given `factor_ldl(B)`."""
+    x = list(b)
+    for k in reversed(range(len(x))):
+        for i in range(k):
+            x[i] = x[i] - factor[k][i] * x[k]
+    for k, row in enumerate(factor):
+        x[k] = x[k] * row[k]
+        for i in range(k):
+            x[k] = x[k] - row[i] * x[i]
+    return x
 
 
 def solve_ldl(B: Matrix, b: Vector) -> list[Number]:
-    """Solve B x = b for a symmetric positive definite B.
-
-    Eliminated from the last row up: an arm's distal rows are the cheap ones, and zeros of B stay zeros.
-    """
-    n = len(b)
-    A = [list(row) for row in B]
-    x = list(b)
-    inverse: list[Number] = [0.0] * n
-    factor: list[list[Number]] = [[0.0] * n for _ in range(n)]
-    for k in reversed(range(n)):
-        inverse[k] = 1.0 / A[k][k]
-        for i in range(k):
-            factor[k][i] = A[k][i] * inverse[k]
-        for i in range(k):
-            x[i] = x[i] - factor[k][i] * x[k]
-            for j in range(i + 1):
-                A[i][j] = A[i][j] - factor[k][i] * A[k][j]
-    for k in range(n):
-        x[k] = x[k] * inverse[k]
-        for i in range(k):
-            x[k] = x[k] - factor[k][i] * x[i]
-    return x
+    """Solve B x = b for a symmetric positive definite B."""
+    return solve_factored(factor_ldl(B), b)
 
 
 def forward_dynamics(
