@@ -59,7 +59,7 @@ def test_compiled_equals_floats_in_every_form(elementary):
 def test_batches_of_every_size_and_threads(elementary, monkeypatch):
     """Also those that are not worth a second thread."""
     monkeypatch.setattr("holonom.trace.kernel.WORTH", 1)
-    kernel, _ = elementary
+    kernel = trace.compile(elementary[1], {"a": 2}, {"y": 7}, name="test_elementary")
     a = samples()[:300]
     whole = kernel(a)
     for count in (0, 1, 2, 7, 8, 9, 15, 16, 17, 31, 33, 63, 64, 65, 128, 300):

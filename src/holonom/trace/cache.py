@@ -29,6 +29,7 @@ HELPERS = [
     "lanes",
     "layout",
     "lower",
+    "pointer",
     "remainder",
     "results",
     "transpose",

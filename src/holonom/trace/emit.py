@@ -43,12 +43,14 @@ from numba.extending import intrinsic
 
 from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.lower import lower
+from holonom.trace.pointer import table_at
 from holonom.trace.remainder import back, filled_up
 from holonom.trace.results import Results, entry, exists, made_like, nothing
 
 '''
-WORDS = "branch buf check finite first last like made place pointer range result rows shared single spread start whole"
-TAKEN = frozenset(re.findall(r"\w+", MODULE)) | frozenset([*WORDS.split(), "RESULT", "straight_line"])
+WORDS = """branch buf check finite first last like made place places pointer range result rows shared single spread
+start straight_line whole RESULT"""
+TAKEN = frozenset(re.findall(r"\w+", MODULE)) | frozenset(WORDS.split())
 """Names that the text of a module uses itself: no input or output may have one."""
 
 
@@ -164,21 +166,25 @@ def lanes_at_once(operations: int) -> int:
 def emit_block(
     title: str, body: Sequence[str], inputs: Sequence[Field], outputs: Sequence[Field], results: Results
 ) -> str:
-    """Return the module of the batch form: `rows(in1 (N, w1), ..., out1 (N, v1), ..., first, last) -> check`."""
+    """Return the module of the batch form, `double rows(int64* places, int64 first, int64 last)`.
+
+    At `places`: the addresses of the arrays in1 (N, w1), ..., out1 (N, v1), ... It returns the check of these rows.
+    """
     lanes, every = lanes_at_once(len(body)), (*inputs, *outputs)
     program = [*_loads(inputs), *_check(inputs), *body, *_stores(outputs, results), "return check"]
     names = [f.name for f in every]
-    arrays, kinds = ", ".join(names), ", ".join(f"{_scalar(f)}[:, ::1]" for f in every)
     here = ", ".join(f"{name}_here" for name in names)
+    arrays = ", ".join(f"table_at(places[{k}], last, {f.width}, {_scalar(f)})" for k, f in enumerate(every))
     filled = ", ".join(f"filled_up({name}, whole, last, {lanes})" for name in names)
     return (
         MODULE.format(title=title, count=len(body))
         + _intrinsic("straight_line", program, [*names, "start"], BLOCK_FLAGS, lanes)
-        + f'@njit(types.float64({kinds}, types.int64, types.int64), nogil=True, error_model="numpy", cache=True)\n'
-        + f"def rows({arrays}, first, last):\n"
+        + "@cfunc(types.float64(types.CPointer(types.int64), types.int64, types.int64), "
+        + 'error_model="numpy", cache=True)\n'
+        + "def rows(places, first, last):\n"
         + "    check = 0.0\n"
         + f"    whole = last - (last - first) % {lanes}\n"
-        + f"    {here} = {arrays}\n"
+        + f"    {', '.join(names)} = {here} = {arrays}\n"
         + f"    for start in range(first, last, {lanes}):\n"
         + "        place = start\n"
         + "        if start == whole:\n"

@@ -1,7 +1,7 @@
-"""Threads that share a batch: started once and kept, for starting one costs as much as a thousand configurations.
+"""Work in parts for threads that are kept, as starting one costs as much as a thousand configurations.
 
-The calling thread works too, and waits only for what the others have not finished: at 4,096 inverse dynamics (0.1 ms in
-two threads) a fresh pool would cost four times what it saves.
+The calling thread works too, and waits only for what the others have not finished. Rows of kernels are shared in
+compiled code instead (`trace.crew`).
 """
 
 from __future__ import annotations
