@@ -37,10 +37,8 @@ from holonom.trace.layout import (
     symbol,
 )
 
-__all__ = ["FINE", "UNFIT", "WRONG", "Batch"]
+__all__ = ["Batch"]
 
-FINE, UNFIT, WRONG = 0, 1, 2
-"""All is done; the arrays are not as they should be, and nothing is done; there is NaN or infinity among the inputs."""
 READ = C_CONTIGUOUS | ALIGNED
 
 
@@ -88,9 +86,9 @@ def _bytes(like: int) -> int:
     return _long(_long(like, STRIDES), 0)
 
 
-@njit(types.int64(*[types.int64] * 4), cache=True, nogil=True, error_model="numpy")
-def _evaluate(form: int, given: int, threads: int, board: int) -> int:
-    """Evaluate a batch form on arrays of any number of rows (N, ...), if that is what is given.
+@njit(types.boolean(*[types.int64] * 4), cache=True, nogil=True, error_model="numpy")
+def _evaluate(form: int, given: int, threads: int, board: int) -> bool:
+    """Evaluate a batch form on arrays of any number of rows (N, ...); False if something else is given, or NaN in it.
 
     Parameters
     ----------
@@ -106,23 +104,23 @@ def _evaluate(form: int, given: int, threads: int, board: int) -> int:
     total = _long(likes, SIZE)
     first = _long(given, ITEMS)
     if _long(given, SIZE) != total or _long(first, TYPE) != _ndarray() or _int(first, NDIM) < 1:
-        return UNFIT
+        return False
     count = _long(_long(first, SHAPE), 0)
     places, ends = np.empty(total, np.int64), np.empty(total, np.int64)
     for k in range(total):
         array, like = _long(given, ITEMS + 8 * k), _long(likes, ITEMS + 8 * k)
         if not _fits(array, like, count, READ if k < inputs else READ | WRITEABLE):
-            return UNFIT
+            return False
         places[k] = _long(array, DATA)
         ends[k] = places[k] + count * _bytes(like)
     for k in range(inputs):
         for j in range(inputs, total):
             if places[k] < ends[j] and places[j] < ends[k]:
-                return UNFIT
+                return False
     if count == 0:
-        return FINE
+        return True
     parts = min(threads, count // least)
-    return FINE if run(address, places.ctypes.data, count, parts, board) else WRONG
+    return run(address, places.ctypes.data, count, parts, board)
 
 
 _quick = direct(_evaluate)
@@ -141,10 +139,10 @@ class Batch:
         """Itself: nothing in it changes, and addresses are of what is here."""
         return self
 
-    def quick(self, given: tuple[Any, ...], threads: int) -> int:
-        """Evaluate arrays that may be what is needed, or anything else: `FINE`, `UNFIT` or `WRONG`."""
-        status: int = _quick(self._place, id(given), threads, board(threads) if threads > 1 else 0)
-        return status
+    def quick(self, given: tuple[Any, ...], threads: int) -> bool:
+        """Evaluate arrays of rows; False if any of them is something else, or if there is NaN or infinity in them."""
+        fine: bool = _quick(self._place, id(given), threads, board(threads) if threads > 1 else 0)
+        return fine
 
     def run(self, given: Sequence[Any], count: int, threads: int) -> bool:
         """Evaluate arrays that are known to be C-contiguous, with so many rows; whether all inputs were finite."""

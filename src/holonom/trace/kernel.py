@@ -222,10 +222,8 @@ class Kernel:
         """Evaluate whatever the one-sample forms did not take: rows as they are, all else after a closer look."""
         threads = check_threads(threads)
         results = self._results_of(arrays) if out is None else out if isinstance(out, tuple) else (out,)
-        if results is not None:
-            status = self._batch.quick((*arrays, *results), threads)
-            if status == 0:
-                return self.result(*results)
+        if results is not None and self._batch.quick((*arrays, *results), threads):
+            return self.result(*results)
         return self._slowly(arrays, out, threads)
 
     def _results_of(self, arrays: Sequence[Any]) -> tuple[Array, ...] | None:
@@ -268,7 +266,7 @@ class Kernel:
         rows = []
         for f, a in zip(self.inputs, given, strict=True):
             whole = a if a.shape == (*lead, *f.shape) else np.broadcast_to(a, (*lead, *f.shape))
-            rows.append(np.ascontiguousarray(whole.reshape(count, f.width)))
+            rows.append(np.require(whole.reshape(count, f.width), requirements=["C", "A"]))
         return rows, lead
 
     def _check_out(self, results: Sequence[Any], lead: tuple[int, ...]) -> None:
@@ -276,11 +274,11 @@ class Kernel:
             raise ShapeError(f"out= takes {len(self.outputs)} arrays for {self.name}; {len(results)} came")
         for f, r, (shape, dtype) in zip(self.outputs, results, self._allocate, strict=True):
             good = isinstance(r, np.ndarray) and r.shape == (*lead, *shape) and r.dtype == dtype
-            if not good or not r.flags.c_contiguous or not r.flags.writeable:
+            if not good or not r.flags.carray:
                 came = f"{r.dtype} {r.shape}" if isinstance(r, np.ndarray) else type(r).__name__
                 raise ShapeError(
-                    f"out= for {f.name} must be a writeable C-contiguous {dtype} array of shape {(*lead, *shape)}; "
-                    f"{came} came"
+                    f"out= for {f.name} must be a writeable C-contiguous {dtype} array of shape {(*lead, *shape)}, "
+                    f"aligned in memory; {came} came"
                 )
 
     def _name_nonfinite(self, rows: Sequence[Array], lead: tuple[int, ...]) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 import operator
 import os
+import sys
 import threading
 from collections.abc import Callable
 from queue import SimpleQueue
@@ -22,7 +23,7 @@ T = TypeVar("T")
 
 
 def check_threads(threads: Any) -> int:
-    """Return a number of threads.
+    """Return a number of threads, as an int that compiled code can hold.
 
     Raises
     ------
@@ -35,7 +36,7 @@ def check_threads(threads: Any) -> int:
         count = 0
     if count < 1:
         raise InputError(f"threads is {threads!r}; a whole number of at least 1 is needed")
-    return count
+    return min(count, sys.maxsize)
 
 
 def share(part: Callable[[int], T], count: int) -> list[T]:
