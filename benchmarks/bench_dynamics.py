@@ -7,10 +7,10 @@ At 4,096 rows (0.15 ms) the two cores exchange as many rows as they compute.
 
 from __future__ import annotations
 
+import ctypes
 import math
 import threading
 import time
-from collections.abc import Callable
 
 import numpy as np
 from peers import peer, pinocchio_model
@@ -73,13 +73,15 @@ def _best(arm: Arm, rows: int, setting: Setting) -> list[float]:
     return times
 
 
-def _apart(evaluate: Callable[..., float], arrays: tuple[np.ndarray, ...], rows: int) -> float:
+def _apart(address: int, arrays: tuple[np.ndarray, ...], rows: int) -> float:
     """Seconds for all rows by two threads that each go over their half again and again."""
     again, middle = max(4, 400_000 // rows), rows // 2
+    evaluate = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64)(address)
+    places = np.array([a.ctypes.data for a in arrays])
 
     def half(first: int, last: int) -> None:
         for _ in range(again):
-            evaluate(*arrays, first, last)
+            evaluate(places.ctypes.data, first, last)
 
     threads = [threading.Thread(target=half, args=part) for part in ((0, middle), (middle, rows))]
     begin = time.perf_counter()

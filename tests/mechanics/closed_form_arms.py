@@ -8,6 +8,7 @@ import math
 import numpy as np
 from arms import random_pose
 
+from holonom.mechanics import Arm, arm_from_dh
 from holonom.mechanics.closed_form import ClosedForm, closed_form
 from holonom.mechanics.equations import kinematics
 from holonom.mechanics.inverse_geometry import inverse_geometry
@@ -95,3 +96,8 @@ def apart(model: ArmModel, q: np.ndarray, other: np.ndarray) -> np.ndarray:
     turning = np.array([joint.kind == "revolute" for joint in model.joints])
     difference = q - other
     return np.abs(np.where(turning, (difference + np.pi) % (2 * np.pi) - np.pi, difference)).max(-1)
+
+
+def three_joint() -> Arm:
+    """A waist, a shoulder and an elbow: it places points."""
+    return arm_from_dh([DHRow(alpha=np.pi / 2, d=0.3), DHRow(a=0.25), DHRow(a=0.2)], convention="standard", name="j3")

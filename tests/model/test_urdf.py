@@ -302,4 +302,16 @@ def test_impossible_inertia_can_be_asked_for():
     with pytest.warns(UserWarning, match="no body has"):
         read_urdf(text, check_inertia="warn")
     assert read_urdf(text, check_inertia=False).bodies[0].inertia[2] == 2.1
+
+
+def test_an_inertia_without_mass_counts_where_it_is_asked_for():
+    """As in the file of the Franka Panda that pybullet ships: a link without mass, fixed to the last one."""
+    fixed = (
+        '<joint name="f" type="fixed"><parent link="b"/><child link="c"/><origin rpy="0 0 1.5707963267948966"/></joint>'
+    )
+    text = robot(link("a"), link("b", inertia(2.0)), link("c", inertia(0.0, ixx=0.5)), joint("j", "a", "b"), fixed)
+    with pytest.raises(ModelError, match="link 'c' has no mass, but an inertia"):
+        read_urdf(text)
+    (body,) = read_urdf(text, check_inertia=False).bodies
+    np.testing.assert_allclose([body.mass, *body.inertia[:3]], [2.0, 2.0, 1.5, 2.0], rtol=0.0, atol=1e-15)
     assert read_urdf(robot(ARM[0], link("b", inertia(izz=2.0)), ARM[2])).bodies[0].inertia[2] == 2.0

@@ -47,5 +47,18 @@ def test_what_is_no_pose_is_said(spoil, says):
 def test_each_row_counts(k):
     T = some(5)
     T[3, k, :3] *= 1.0 + 1e-5
-    with pytest.raises(NotAPose):
+    with pytest.raises(NotAPose, match=r"in pose \(3,\); orthonormalise it"):
         check_pose(T)
+
+
+@pytest.mark.parametrize(
+    "spoil", [np.diag([1, 1, -1, 1]), np.diag([1, 1, 1, 2]), np.diag([np.nan, 1, 1, 1]), np.eye(4) * 2]
+)
+def test_of_several_the_first_that_is_none_is_named(spoil):
+    T = some(30).reshape(2, 5, 3, 4, 4)
+    T[1, 2, 1:] = T[1, 2, 1:] @ spoil
+    with pytest.raises(NotAPose, match=r"in pose \(1, 2, 1\)"):
+        check_pose(T)
+    with pytest.raises(NotAPose) as caught:
+        check_pose(T[1, 2, 1])
+    assert "in pose" not in str(caught.value)

@@ -59,7 +59,7 @@ def test_compiled_equals_floats_in_every_form(elementary):
 def test_batches_of_every_size_and_threads(elementary, monkeypatch):
     """Also those that are not worth a second thread."""
     monkeypatch.setattr("holonom.trace.kernel.WORTH", 1)
-    kernel, _ = elementary
+    kernel = trace.compile(elementary[1], {"a": 2}, {"y": 7}, name="test_elementary")
     a = samples()[:300]
     whole = kernel(a)
     for count in (0, 1, 2, 7, 8, 9, 15, 16, 17, 31, 33, 63, 64, 65, 128, 300):
@@ -104,6 +104,20 @@ def test_other_layouts_are_taken(elementary):
     frozen.flags.writeable = False
     np.testing.assert_array_equal(kernel(frozen), wanted)
     np.testing.assert_array_equal(kernel([1, 2]), kernel([1.0, 2.0]))
+    np.testing.assert_array_equal(kernel(a.astype(">f8")), wanted)
+    np.testing.assert_array_equal(kernel(unaligned(a)), wanted)
+    np.testing.assert_array_equal(kernel(unaligned(a[0])), wanted[0])
+    np.testing.assert_array_equal(kernel(a.view(np.matrix).reshape(32, 2)), wanted)
+
+
+def unaligned(a: np.ndarray) -> np.ndarray:
+    """The same numbers, one byte further on than numbers lie."""
+    memory = np.empty(a.nbytes + 9, np.int8)
+    start = (1 - memory.ctypes.data) % 8
+    moved = memory[start : start + a.nbytes].view(a.dtype).reshape(a.shape)
+    moved[:] = a
+    assert not moved.flags.aligned
+    return moved
 
 
 @pytest.mark.parametrize(
@@ -129,6 +143,16 @@ def test_bad_out_and_count_are_named(elementary):
     kernel, _ = elementary
     with pytest.raises(ShapeError, match="out= for y"):
         kernel(np.zeros((5, 2)), out=np.zeros((5, 6)))
+    with pytest.raises(ShapeError, match=r"out= for y .* aligned"):
+        kernel(np.zeros((5, 2)), out=unaligned(np.zeros((5, 7))))
+    with pytest.raises(ShapeError, match="out= takes 1 arrays"):
+        kernel(np.zeros((5, 2)), out=(np.zeros((5, 7)), np.zeros((5, 7))))
+    with pytest.raises(ShapeError, match="out= for y"):
+        kernel(np.zeros((5, 2)), out=[0.0] * 5)
+    frozen = np.zeros((5, 7))
+    frozen.flags.writeable = False
+    with pytest.raises(ShapeError, match="out= for y must be a writeable"):
+        kernel(np.zeros((5, 2)), out=frozen)
     with pytest.raises(ShapeError, match="takes 1 arrays"):
         kernel(np.zeros(2), np.zeros(2))
 
@@ -140,6 +164,7 @@ def test_a_number_of_threads_is_whole_and_positive(elementary, threads):
         with pytest.raises(InputError, match=r"threads is .*whole number of at least 1"):
             kernel(a, threads=threads)
     np.testing.assert_array_equal(kernel(np.zeros(2), threads=np.int64(3)), kernel(np.zeros(2)))
+    np.testing.assert_array_equal(kernel(np.zeros((3, 2)), threads=10**30), kernel(np.zeros((3, 2))))
 
 
 @pytest.mark.parametrize("name", ["first", "start", "check", "np", "back", "lambda", "_x", "x y", "range"])

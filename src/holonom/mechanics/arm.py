@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from holonom.errors import InputError, ShapeError
+from holonom.errors import InputError, NotAPose, ShapeError
 from holonom.mechanics import inverse_geometry
 from holonom.mechanics.closed_form import FAMILIES, ClosedForm, closed_form
 from holonom.mechanics.equations.inertia import fixed_to_body
@@ -219,7 +219,9 @@ class Arm:
         nowhere = bytes([UNREACHABLE] * len(form.names))
         return _Inverse(self.calls["inverse_geometry"], form.task == "pose", form.exact, nowhere)
 
-    def ik_nearest(self, T: ArrayLike, q0: ArrayLike, *, weights: ArrayLike | None = None) -> IkNearest:
+    def ik_nearest(
+        self, T: ArrayLike, q0: ArrayLike, *, weights: ArrayLike | None = None, threads: int = 1
+    ) -> IkNearest:
         """The reachable branch nearest to `q0`, with joints whole turns away where limits allow.
 
         Without a closed form the numerical solver starts from `q0` (`mechanics.numerical_inverse`).
@@ -229,6 +231,7 @@ class Arm:
         T : (..., 4, 4), as for `ik`.
         q0 : (..., n).
         weights : (n,), what a joint's difference counts; the largest weighted difference is the distance. Default 1.
+        threads : threads that share a batch, 1 or more.
 
         Returns
         -------
@@ -238,22 +241,24 @@ class Arm:
         ------
         NotAPose, ShapeError
             As for `ik`; `q0` of another shape, or with a number that is not finite, which is named.
+        InputError
+            `threads` is no whole number of at least 1.
         """
-        return self._nearest(T, q0, weights)
+        return self._nearest(T, q0, weights, threads)
 
     @functools.cached_property
-    def _nearest(self) -> Callable[[ArrayLike, ArrayLike, ArrayLike | None], IkNearest]:
+    def _nearest(self) -> Callable[[ArrayLike, ArrayLike, ArrayLike | None, int], IkNearest]:
         if self.closed_form is None:
             return self._searched
         from holonom.mechanics.nearest import Nearest  # compiled code, on first use
 
         return Nearest(self).take
 
-    def _searched(self, T: ArrayLike, q0: ArrayLike, weights: ArrayLike | None) -> IkNearest:
+    def _searched(self, T: ArrayLike, q0: ArrayLike, weights: ArrayLike | None, threads: int) -> IkNearest:
         """What the numerical solver finds from q0."""
         from holonom.mechanics.numerical_inverse import InverseStatus, solve_inverse
 
-        found = solve_inverse(self, T, q0)
+        found = solve_inverse(self, T, q0, threads=threads)
         named = {
             InverseStatus.OK: IkStatus.OK,
             InverseStatus.NOT_CONVERGED: IkStatus.UNREACHABLE,
@@ -358,4 +363,7 @@ def _check_lost(T: ArrayLike, status: NDArray[np.int8]) -> None:
     for first in range(0, len(rows), CHUNK):
         lost = (rows[first : first + CHUNK] == UNREACHABLE).all(-1)
         if lost.any():
-            check_pose(poses[first : first + CHUNK][lost], "T")
+            try:
+                check_pose(poses[first : first + CHUNK][lost])
+            except NotAPose:
+                check_pose(T, "T")  # names the first that is none

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from holonom.errors import ShapeError
+from holonom.errors import NotAPose, ShapeError
 from holonom.mechanics.ik_result import IkNearest, IkStatus
 from holonom.mechanics.nearest_kernels import nearest_of_rows, nearest_point, nearest_pose
 from holonom.spatial import check_pose
-from holonom.trace import real_array
+from holonom.trace import check_threads, real_array, share
 
 if TYPE_CHECKING:
     from holonom.mechanics.arm import Arm
@@ -66,14 +66,14 @@ class Nearest:
         branches: list[Any] = [np.int64(k) for k in range(len(form.names))]
         self._answers = tuple(IkNearest(q, status, k, form.names) for k in branches for status in STATUS)
 
-    def take(self, T: ArrayLike, q0: ArrayLike, weights: ArrayLike | None) -> IkNearest:
+    def take(self, T: ArrayLike, q0: ArrayLike, weights: ArrayLike | None, threads: int) -> IkNearest:
         """Arguments, result and errors as for `Arm.ik_nearest`."""
         joints = self._joints if weights is None else self._weighted(weights)
         found: IkNearest | None = None
-        if self._address:
+        if self._address and threads == 1:
             found = self._one(self._address, len(self._names), T, q0, joints, self._answers)
         if found is None:  # rows of them, lists, other numbers than floats
-            return self._general(T, q0, joints)
+            return self._general(T, q0, joints, check_threads(threads))
         status = found[1]
         if status is SINGULAR:
             return found._replace(q=self._kept(T, found.q, np.asarray(q0), np.asarray(True)))
@@ -88,7 +88,7 @@ class Nearest:
             raise ShapeError(f"weights must be {n} finite numbers, none negative; {weight} came")
         return np.concatenate([self._joints[:3], weight[None]])
 
-    def _general(self, T: ArrayLike, q0: ArrayLike, joints: Array) -> IkNearest:
+    def _general(self, T: ArrayLike, q0: ArrayLike, joints: Array, threads: int) -> IkNearest:
         """Rows of targets and of joints, which broadcast."""
         reference = joint_vectors("q0", q0, self._arm.limits.names)
         target = self._targets(T)
@@ -104,9 +104,19 @@ class Nearest:
         q, count = np.empty((*lead, reference.shape[-1])), len(references)
         taken, number = np.empty(lead, np.int8), np.empty(lead, np.int64)
         flat = q.reshape(count, -1), taken.reshape(count), number.reshape(count)
-        for first in range(0, count, CHUNK):
-            part = slice(first, first + CHUNK)
-            self._choose(targets[part], references[part], joints, [a[part] for a in flat])
+        firsts = range(0, count, CHUNK)
+        waiting = iter(firsts)
+
+        def worker(_: int) -> None:
+            for first in waiting:  # whoever is free takes the next rows
+                part = slice(first, first + CHUNK)
+                self._choose(targets[part], references[part], joints, [a[part] for a in flat])
+
+        try:
+            share(worker, max(1, min(threads, len(firsts))))
+        except NotAPose:
+            check_pose(target, "T")  # counts from the first target
+            raise
         return IkNearest(q, taken[()], number[()], self._names)
 
     def _choose(self, T: Array, reference: Array, joints: Array, found: Sequence[NDArray[Any]]) -> None:

@@ -9,13 +9,11 @@ puts right the steps in which a joint stands, stops or turns back; in all others
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numba import njit, types
 from numpy.typing import NDArray
 
-from holonom.trace.pointer import call_kernel
+from holonom.trace.pointer import call_kernel, call_rows
 
 __all__ = ["advance_lanes", "advance_one", "settle", "turns_back"]
 
@@ -162,20 +160,19 @@ def advance_one(
     return steps
 
 
-_ROWS = types.FunctionType(types.float64(*[types.float64[:, ::1]] * 7, types.int64, types.int64))
 _TABLE, _LIST = types.float64[:, ::1], types.float64[::1]
 _SAMPLES = types.float64[:, :, ::1]
 
 
 @njit(
-    types.void(_ROWS, types.int64, types.float64, _LIST, _LIST, types.boolean, types.int64, _TABLE, _TABLE, _SAMPLES,
-               _SAMPLES, _SAMPLES, types.int64, types.int64),
+    types.void(types.int64, types.int64, types.float64, _LIST, _LIST, types.boolean, types.int64, _TABLE, _TABLE,
+               _SAMPLES, _SAMPLES, _SAMPLES, types.int64, types.int64),
     cache=True,
     nogil=True,
     error_model="numpy",
 )  # fmt: skip
 def advance_lanes(
-    rows: Any,
+    rows: int,
     stiction: int,
     dt: float,
     nodes: Floats,
@@ -192,8 +189,8 @@ def advance_lanes(
 ) -> None:
     """Integrate the variations `first` to `last`, blocks of lanes one after the other over the whole time.
 
-    As `advance_one`, but `rows` is the block form, parameters are (K, p) and samples (K, M, n). A variation that
-    diverges goes on as NaN and leaves the others alone.
+    As `advance_one`, but `rows` is the address of the batch form, parameters are (K, p) and samples (K, M, n). A
+    variation that diverges goes on as NaN and leaves the others alone.
     """
     n, r = q.shape[2], reference.shape[1]
     steps = (reference.shape[0] - 1) // 2
@@ -202,6 +199,7 @@ def advance_lanes(
     x0, v0, slip = np.zeros((LANES, n)), np.zeros((LANES, n)), np.zeros((LANES, n))
     state, sticking = np.empty(2 * n + parameters.shape[1]), np.empty(n * n + 2 * n)
     given, torque, wanted = np.zeros((LANES, parameters.shape[1])), np.zeros((LANES, n)), np.zeros((LANES, r))
+    places = np.array([a.ctypes.data for a in (xs, vs, slip, wanted, given, kv, torque)])
     for start in range(first, last, LANES):
         count = min(LANES, last - start)
         given[:count] = parameters[start : start + count]
@@ -221,7 +219,7 @@ def advance_lanes(
                         xs[lane, i], vs[lane, i] = x[lane, i] + h * kx[lane, i], v[lane, i] + h * kv[lane, i]
                     for i in range(r):
                         wanted[lane, i] = row[i]
-                rows(xs, vs, slip, wanted, given, kv, torque, 0, count)
+                call_rows(rows, places.ctypes.data, 0, count)
                 if stage == 0 and step % every == 0:
                     for lane in range(count):
                         for i in range(n):

@@ -192,7 +192,7 @@ def _bodies(links: dict[str, UrdfLink], places: dict[str, _Place], count: int) -
     parts: list[list[tuple[Body, Array]]] = [[] for _ in range(count)]
     for name, place in places.items():
         body = links[name].body
-        if place.joint >= 0 and body is not None and body.mass > 0:
+        if place.joint >= 0 and body is not None and (body.mass > 0 or any(body.inertia)):
             parts[place.joint].append((body, place.pose))
     return tuple(fixed_together(part) for part in parts) if any(parts) else None
 

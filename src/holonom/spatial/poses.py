@@ -53,26 +53,37 @@ def check_pose(T: Any, name: str = "pose") -> Array:
     if A.shape[-2:] != (4, 4):
         raise NotAPose(f"{name} has shape {A.shape}; (..., 4, 4) is needed")
     if not np.isfinite(A).all():
-        raise NotAPose(f"{name} holds NaN or infinity")
-    error, handed = _orthonormality(A)
-    if error <= RIGID and handed <= 0.0:
-        raise NotAPose(f"the rotation part of {name} is a mirror (det R = -1); turn one of its axes round")
-    if error > RIGID:
+        raise NotAPose(f"{name} holds NaN or infinity{_where(~np.isfinite(A).all((-1, -2)))}")
+    error, determinant = _orthonormality(A)
+    if error.max(initial=0.0) > RIGID:
         raise NotAPose(
-            f"the rotation part of {name} is no rotation (R R^T differs from I by {error:.1e}); "
-            "orthonormalise it, for instance with scipy's Rotation.from_matrix"
+            f"the rotation part of {name} is no rotation (R R^T differs from I by {error.max():.1e})"
+            f"{_where(error > RIGID)}; orthonormalise it, for instance with scipy's Rotation.from_matrix"
         )
-    if (A[..., 3, :] != [0.0, 0.0, 0.0, 1.0]).any():
-        raise NotAPose(f"the last row of {name} is not 0 0 0 1")
+    if determinant.min(initial=1.0) <= 0.0:
+        raise NotAPose(
+            f"the rotation part of {name} is a mirror (det R = -1){_where(determinant <= 0.0)}; "
+            "turn one of its axes round"
+        )
+    last = A[..., 3, :] != [0.0, 0.0, 0.0, 1.0]
+    if last.any():
+        raise NotAPose(f"the last row of {name} is not 0 0 0 1{_where(last.any(-1))}")
     return A
 
 
-def _orthonormality(A: Array) -> tuple[float, float]:
-    """Largest entry of R R^T - I and least determinant: row by row, which is many times faster than small products."""
+def _where(bad: NDArray[np.bool_]) -> str:
+    """Which of several poses is the first bad one."""
+    return f" in pose {tuple(int(k) for k in np.argwhere(bad)[0])}" if bad.ndim else ""
+
+
+def _orthonormality(A: Array) -> tuple[Array, Array]:
+    """Largest entry of R R^T - I and determinant, of each: row by row, many times faster than small products."""
     a, b, c = (tuple(A[..., i, k] for k in range(3)) for i in range(3))
-    products = [_dot(a, a) - 1.0, _dot(b, b) - 1.0, _dot(c, c) - 1.0, _dot(a, b), _dot(b, c), _dot(a, c)]
+    error = np.abs(_dot(a, a) - 1.0)
+    for p, q, wanted in ((b, b, 1.0), (c, c, 1.0), (a, b, 0.0), (b, c, 0.0), (a, c, 0.0)):
+        error = np.maximum(error, np.abs(_dot(p, q) - wanted))
     n = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-    return max(float(np.abs(p).max(initial=0.0)) for p in products), float(_dot(n, c).min(initial=1.0))
+    return error, _dot(n, c)
 
 
 def _dot(a: tuple[Array, ...], b: tuple[Array, ...]) -> Array:

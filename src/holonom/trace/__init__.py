@@ -6,7 +6,7 @@
 `derivative`      forward and reverse mode on the graph
 `cuda`            the same straight line for a GPU
 `Graph`           the expression graph, simplified while it is built
-`share`           parts of a batch to threads; `check_threads`, `real_array`: what a caller gave
+`share`           parts of other work to threads; `check_threads`, `real_array`: what a caller gave
 `cache_folder`    where generated modules lie
 ================  =======================================================================
 
@@ -15,7 +15,8 @@ Inside, in the order in which an equation goes through them:
 - to a line: `functions`, `graph`, `elementary`; `lanes` lays the branches of an inverse side by side;
 - to text: `emit`, `cuda`; `cache` keeps it;
 - to machine code: `lower`, with `transpose` and `remainder` for the rows of a batch;
-- to be called: `kernel`, `threads`, `pointer`; `direct`, `results` and `layout` are the way past Numba's dispatch.
+- to be called: `kernel`, `pointer`; `direct`, `results` and `layout` are the way past Numba's dispatch, `batch` that of
+  many rows; `crew` shares these among threads, with what is in `atomic`.
 
 For loops written by hand there are `compiled` (elementary functions) and `simd` (four numbers as one); `trigonometric`
 multiplies equations out into formulas, `arrays` runs them on NumPy arrays.

@@ -30,6 +30,7 @@ HELPERS = [
     "lanes",
     "layout",
     "lower",
+    "pointer",
     "remainder",
     "results",
     "transpose",

@@ -72,9 +72,7 @@ class Columns:
         )
 
 
-def columns_of(
-    name: str, equation: Callable[..., Any], shared: int, own: int, outputs: Sequence[Field]
-) -> Columns:
+def columns_of(name: str, equation: Callable[..., Any], shared: int, own: int, outputs: Sequence[Field]) -> Columns:
     """Trace the equation of one column: of `shared` numbers, and its part of `own`.
 
     Raises
@@ -85,7 +83,7 @@ def columns_of(
     graph, count = Graph(), outputs[0].shape[-1]
     if any(f.shape[-1] != count for f in outputs) or own % count:
         shapes = ", ".join(f"{f.name} {f.shape}" for f in outputs)
-        raise ShapeError(f"the columns of {name!r} are counted by every last axis, and divide what they start from: {shapes}; {own}")
+        raise ShapeError(f"{name!r}: last axes of {shapes} count the columns, which start from {own} numbers in all")
     given = Field("shared", (shared,)), Field("own", (own // count, count))
     raw = equation(*([graph.input(f.name, k) for k in range(f.shape[0])] for f in given))
     found = [

@@ -18,8 +18,10 @@ from numba.extending import NativeValue, intrinsic, models, register_model, unbo
 from numba.np.arrayobj import make_array, populate_array
 
 from holonom.trace.layout import (
+    ALIGNED,
     BYTE,
     BYTE_ORDER,
+    C_CONTIGUOUS,
     DATA,
     FLAGS,
     INT,
@@ -31,14 +33,14 @@ from holonom.trace.layout import (
     SHAPE,
     TYPE,
     TYPE_NUMBER,
+    WRITEABLE,
     load,
     symbol,
 )
 
-__all__ = ["ArrayObject", "array_of", "direct", "fits", "scratch"]
+__all__ = ["ArrayObject", "array_of", "direct", "fits", "placed", "scratch"]
 
 BOOL = ir.IntType(1)
-C_CONTIGUOUS, ALIGNED, WRITEABLE = 0x1, 0x100, 0x400
 
 
 class ArrayObject(types.Opaque):
@@ -99,7 +101,7 @@ def _array_of(context: Any, given: Any) -> Any:
         start = load(builder, args[0], SHAPE, POINTER)
         known = enumerate(given.shape)
         shape = [load(builder, start, 8 * k, LONG) if size is None else LONG(size) for k, size in known]
-        return _placed(ctx, builder, kind, load(builder, args[0], DATA, POINTER), shape)
+        return placed(ctx, builder, kind, load(builder, args[0], DATA, POINTER), shape)
 
     return kind(given), generate
 
@@ -110,12 +112,12 @@ def _scratch(context: Any, count: Any) -> Any:
 
     def generate(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
         data = alloca_once(builder, ir.DoubleType(), size=count.literal_value)
-        return _placed(ctx, builder, kind, data, [LONG(count.literal_value)])
+        return placed(ctx, builder, kind, data, [LONG(count.literal_value)])
 
     return kind(count), generate
 
 
-def _placed(ctx: Any, builder: Any, kind: Any, data: Any, shape: Sequence[Any]) -> Any:
+def placed(ctx: Any, builder: Any, kind: Any, data: Any, shape: Sequence[Any]) -> Any:
     """A C-contiguous array at a place in memory, which it does not own."""
     itemsize = step = LONG(kind.dtype.bitwidth // 8)
     strides: list[Any] = []
@@ -138,8 +140,8 @@ scratch: Any = intrinsic(prefer_literal=True)(_scratch)
 """`scratch(count)`: an array of as many numbers, which are anything, until the function that asks returns."""
 
 
-def direct(function: Any) -> Callable[..., int]:
+def direct(function: Any) -> Callable[..., Any]:
     """The one compiled version of a function whose arguments are `ArrayObject`s, to be called without dispatch."""
     (version,) = function.overloads.values()
-    entry: Callable[..., int] = version.entry_point
+    entry: Callable[..., Any] = version.entry_point
     return entry

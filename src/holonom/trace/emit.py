@@ -57,16 +57,15 @@ from numba.extending import intrinsic
 
 from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.lower import lower
+from holonom.trace.pointer import table_at
 from holonom.trace.remainder import back, filled_up
 from holonom.trace.results import Results, entry, exists, made_like, nothing
 from holonom.trace.transpose import across
 
 '''
-WORDS = (
-    "branch buf check column finite first last like line made min own place pointer range result rows shared single "
-    "spread start whole"
-)
-TAKEN = frozenset(re.findall(r"\w+", MODULE)) | frozenset([*WORDS.split(), "RESULT", "straight_line"])
+WORDS = """branch buf check column finite first last like line made min own place places pointer range result rows
+ shared single spread start straight_line whole RESULT"""
+TAKEN = frozenset(re.findall(r"\w+", MODULE)) | frozenset(WORDS.split())
 """Names that the text of a module uses itself: no input or output may have one."""
 
 
@@ -199,21 +198,25 @@ def emit_block(
     results: Results,
     columns: Columns | None = None,
 ) -> str:
-    """Return the module of the batch form: `rows(in1 (N, w1), ..., out1 (N, v1), ..., first, last) -> check`."""
+    """Return the module of the batch form, `double rows(int64* places, int64 first, int64 last)`.
+
+    At `places`: the addresses of the arrays in1 (N, w1), ..., out1 (N, v1), ... It returns the check of these rows.
+    """
     longest = max(len(body), len(columns.body) if columns else 0)
     lanes, every = lanes_at_once(longest), (*inputs, *outputs)
     names = [f.name for f in every]
-    arrays, kinds = ", ".join(names), ", ".join(f"{_scalar(f)}[:, ::1]" for f in every)
     here = ", ".join(f"{name}_here" for name in names)
+    arrays = ", ".join(f"table_at(places[{k}], last, {f.width}, {_scalar(f)})" for k, f in enumerate(every))
     filled = ", ".join(f"filled_up({name}, whole, last, {lanes})" for name in names)
     return (
         MODULE.format(title=title, count=len(body))
         + _samples(body, inputs, outputs, results, columns, lanes)
-        + f'@njit(types.float64({kinds}, types.int64, types.int64), nogil=True, error_model="numpy", cache=True)\n'
-        + f"def rows({arrays}, first, last):\n"
+        + "@cfunc(types.float64(types.CPointer(types.int64), types.int64, types.int64), "
+        + 'error_model="numpy", cache=True)\n'
+        + "def rows(places, first, last):\n"
         + "    check = 0.0\n"
         + f"    whole = last - (last - first) % {lanes}\n"
-        + f"    {here} = {arrays}\n"
+        + f"    {', '.join(names)} = {here} = {arrays}\n"
         + f"    for start in range(first, last, {lanes}):\n"
         + "        place = start\n"
         + "        if start == whole:\n"
@@ -302,7 +305,7 @@ def emit_made(
 
     `like` is a result to take after: for several outputs a tuple that begins with their arrays, else the array.
     """
-    given, taken = [f.name for f in inputs], [f.name for f in outputs]
+    given = [f.name for f in inputs]
     kinds = [f"ArrayObject({_scalar(f)}, {f.shape}, {f in outputs})" for f in (*inputs, *outputs)]
     result = kinds[-1] if len(outputs) == 1 else f"Results([{', '.join(kinds[len(inputs) :])}])"
     check = [*loads(inputs), *_check(inputs), "return check"]
@@ -369,7 +372,7 @@ def _line(
     results: Results,
     parts: Parts | None,
 ) -> str:
-    """Text of `straight_line(inputs, outputs)`; with lanes or columns in parts, which hand on what they know in memory."""
+    """Text of `straight_line(inputs, outputs)`; in parts, they hand on what they know in memory."""
     if parts is not None:
         return parts.line(body, inputs, outputs, results)
     program = [*loads(inputs), *stored_at_once(body, stores(outputs, results))]

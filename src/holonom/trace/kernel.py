@@ -6,7 +6,7 @@ import functools
 import keyword
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,15 +28,15 @@ from holonom.trace.emit import (
 from holonom.trace.graph import Graph, Scalar
 from holonom.trace.lanes import lanes_of
 from holonom.trace.real import real_array
-from holonom.trace.threads import check_threads, share
+from holonom.trace.threads import check_threads
+
+if TYPE_CHECKING:
+    from holonom.trace.batch import Batch
 
 __all__ = ["Kernel", "compile"]
 
-WORTH, PIECES, WHOLE = 1_000_000, 8, 16
-"""Operations of all rows that a thread is woken for (60 us), pieces for each thread, and what their edges divide by.
-
-Each thread takes the next piece that is left: one on a core that has other work too does fewer.
-"""
+WORTH = 100_000
+"""Operations of all rows that a thread is woken for."""
 Array = NDArray[Any]
 Shape = int | tuple[int, ...]
 
@@ -143,6 +143,7 @@ class Kernel:
         self._columns = columns
         lanes = functools.partial(lanes_of, graph, outputs, results) if branches else lambda: columns
         self._parts: Callable[[], Parts | None] = functools.cache(lanes)
+        self._axes = 1 + len(inputs[0].shape)
         self._allocate = [(f.shape, np.dtype(np.int8 if f.integer else np.float64)) for f in outputs]
 
     @property
@@ -175,9 +176,16 @@ class Kernel:
         return load_module(f"{self.name}_made", self.text(emit_made, self._parts())).made
 
     @functools.cached_property
-    def rows(self) -> Callable[..., float]:
-        """The compiled batch form: `rows(in1 (N, w), ..., out1 (N, v), ..., first, last)`; not 0.0 if NaN came in."""
-        return load_module(f"{self.name}_rows", self.text(emit_block, self._columns)).rows
+    def rows(self) -> int:
+        """Address of the batch form in C: `rows(places, first, last)` (see `emit_block`)."""
+        return load_module(f"{self.name}_rows", self.text(emit_block, self._columns)).rows.address
+
+    @functools.cached_property
+    def _batch(self) -> Batch:
+        from holonom.trace.batch import Batch  # heavy, and not needed for what is read only
+
+        likes = [np.empty((1, *f.shape), np.int8 if f.integer else np.float64) for f in (*self.inputs, *self.outputs)]
+        return Batch(self.rows, len(self.inputs), tuple(likes), WORTH // max(self.operations, 1) + 1)
 
     @functools.cached_property
     def address(self) -> int:
@@ -221,9 +229,24 @@ class Kernel:
         return _caller(self)
 
     def general(self, arrays: Sequence[Any], out: Any, threads: int) -> Any:
-        """Check, broadcast and evaluate whatever the one-sample forms did not take."""
+        """Evaluate whatever the one-sample forms did not take: rows as they are, all else after a closer look."""
         threads = check_threads(threads)
-        rows, lead = self._plain_rows(arrays) or self._rows_of(arrays)
+        results = self._results_of(arrays) if out is None else out if isinstance(out, tuple) else (out,)
+        if results is not None and self._batch.quick((*arrays, *results), threads):
+            return self.result(*results)
+        return self._slowly(arrays, out, threads)
+
+    def _results_of(self, arrays: Sequence[Any]) -> tuple[Array, ...] | None:
+        """Room for the results, if the inputs are an array for each that has rows."""
+        first = arrays[0]
+        if type(first) is not np.ndarray or first.ndim != self._axes:
+            return None
+        count = len(first)
+        return tuple([np.empty((count, *shape), dtype) for shape, dtype in self._allocate])
+
+    def _slowly(self, arrays: Sequence[Any], out: Any, threads: int) -> Any:
+        """Check, broadcast and evaluate anything."""
+        rows, lead = self._rows_of(arrays)
         count = len(rows[0])
         if out is None:
             results = [np.empty((*lead, *shape), dtype) for shape, dtype in self._allocate]
@@ -232,22 +255,9 @@ class Kernel:
             self._check_out(results, lead)
             # What is written must not be read any more, nor named as not finite.
             rows = _apart(rows, results)
-        flat = [
-            r if r.ndim == 2 and len(f.shape) == 1 else r.reshape(count, f.width)
-            for r, f in zip(results, self.outputs, strict=True)
-        ]
-        if count and self._evaluate(rows, flat, count, threads) != 0.0:
+        if count and not self._batch.run((*rows, *results), count, threads):
             self._name_nonfinite(rows, lead)
         return self.result(*results)
-
-    def _plain_rows(self, arrays: Sequence[Any]) -> tuple[Sequence[Array], tuple[int, ...]] | None:
-        """The inputs, if all are rows (N, width) as the batch form takes them: the short cut of small batches."""
-        for f, a in zip(self.inputs, arrays, strict=True):
-            if type(a) is not np.ndarray or a.dtype != np.float64 or not a.flags.carray:
-                return None
-            if a.ndim != 2 or len(f.shape) != 1 or a.shape != (len(arrays[0]), f.width):
-                return None
-        return arrays, (len(arrays[0]),)
 
     def _rows_of(self, arrays: Sequence[Any]) -> tuple[Sequence[Array], tuple[int, ...]]:
         """Return the inputs as C-contiguous rows (N, width) and the leading axes they share."""
@@ -266,8 +276,7 @@ class Kernel:
         rows = []
         for f, a in zip(self.inputs, given, strict=True):
             whole = a if a.shape == (*lead, *f.shape) else np.broadcast_to(a, (*lead, *f.shape))
-            table = np.ascontiguousarray(whole.reshape(count, f.width))
-            rows.append(table if table.flags.writeable else table.copy())
+            rows.append(np.require(whole.reshape(count, f.width), requirements=["C", "A"]))
         return rows, lead
 
     def _check_out(self, results: Sequence[Any], lead: tuple[int, ...]) -> None:
@@ -275,22 +284,12 @@ class Kernel:
             raise ShapeError(f"out= takes {len(self.outputs)} arrays for {self.name}; {len(results)} came")
         for f, r, (shape, dtype) in zip(self.outputs, results, self._allocate, strict=True):
             good = isinstance(r, np.ndarray) and r.shape == (*lead, *shape) and r.dtype == dtype
-            if not good or not r.flags.c_contiguous or not r.flags.writeable:
+            if not good or not r.flags.carray:
                 came = f"{r.dtype} {r.shape}" if isinstance(r, np.ndarray) else type(r).__name__
                 raise ShapeError(
-                    f"out= for {f.name} must be a writeable C-contiguous {dtype} array of shape {(*lead, *shape)}; "
-                    f"{came} came"
+                    f"out= for {f.name} must be a writeable C-contiguous {dtype} array of shape {(*lead, *shape)}, "
+                    f"aligned in memory; {came} came"
                 )
-
-    def _evaluate(self, rows: Sequence[Array], flat: Sequence[Array], count: int, threads: int) -> float:
-        least = WORTH // max(self.operations, 1) + 1
-        parts = max(1, min(threads, count // least))
-        if parts == 1:
-            return self.rows(*rows, *flat, 0, count)
-        pieces = max(parts, min(PIECES * parts, count // least))
-        edges = [count * k // pieces // WHOLE * WHOLE for k in range(pieces)] + [count]
-        run, given, left = self.rows, (*rows, *flat), iter(range(pieces))
-        return sum(share(lambda _: sum(run(*given, edges[k], edges[k + 1]) for k in left), parts))
 
     def _name_nonfinite(self, rows: Sequence[Array], lead: tuple[int, ...]) -> None:
         for f, a in zip(self.inputs, rows, strict=True):

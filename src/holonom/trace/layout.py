@@ -13,8 +13,10 @@ import numpy as np
 from llvmlite import binding, ir
 
 __all__ = [
+    "ALIGNED",
     "BYTE",
     "BYTE_ORDER",
+    "C_CONTIGUOUS",
     "DATA",
     "FLAGS",
     "HEAD",
@@ -28,8 +30,10 @@ __all__ = [
     "POINTER",
     "SHAPE",
     "SIZE",
+    "STRIDES",
     "TYPE",
     "TYPE_NUMBER",
+    "WRITEABLE",
     "load",
     "place",
     "symbol",
@@ -42,8 +46,9 @@ POINTER = ir.PointerType(BYTE)
 HEAD = object.__basicsize__
 TYPE = HEAD - 8
 SIZE, ITEMS = HEAD, tuple.__basicsize__
-DATA, NDIM, SHAPE, KIND, FLAGS = HEAD, HEAD + 8, HEAD + 16, HEAD + 40, HEAD + 48
+DATA, NDIM, SHAPE, STRIDES, KIND, FLAGS = HEAD, HEAD + 8, HEAD + 16, HEAD + 24, HEAD + 40, HEAD + 48
 BYTE_ORDER, TYPE_NUMBER = HEAD + 10, HEAD + 12
+C_CONTIGUOUS, ALIGNED, WRITEABLE = 0x1, 0x100, 0x400  # of the flags
 
 # By name, so that machine code on disk finds them in every process.
 NDARRAY = "holonom_ndarray"

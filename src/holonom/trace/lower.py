@@ -56,20 +56,17 @@ def lower(
     def generate(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
         given = dict(zip(arguments, args, strict=True))
         kinds = dict(zip(arguments, signature.args, strict=True))
-        start, column, across = (given.pop(name, None) for name in ("start", "column", "across"))
+        where: dict[str, Any] = {name: given.pop(name) for name in ("start", "column", "across") if name in given}
         memory: dict[str, _Places | _Rows] = {}
         for name in [name for name in given if isinstance(kinds[name], types.Array)]:
-            first, held = ctx.make_array(kinds[name])(ctx, builder, given.pop(name)).data, ctx.get_data_type(kinds[name].dtype)
-            if start is not None and kinds[name].ndim == 2:
-                width = len({side for each in lines for side in each.split(" = ") if side.startswith(f"{name}[")})
-                memory[name] = _Rows(builder, first, held, lanes, start, width)
-            elif name == "shared" and across is not None:
-                memory[name] = _Places(builder, first, held, lanes, 1, same=True)
-            elif name == "shared" or not columns:
-                memory[name] = _Places(builder, first, held, lanes, lanes)
+            data = ctx.make_array(kinds[name])(ctx, builder, given.pop(name)).data
+            held = ctx.get_data_type(kinds[name].dtype)
+            if "start" in where and kinds[name].ndim == 2:
+                memory[name] = _Rows(builder, data, held, lanes, where["start"], _width(name, lines))
             else:
-                begin, step = (across, columns) if column is None else (builder.mul(column, LONG(lanes)), lanes * columns)
-                memory[name] = _Places(builder, builder.gep(first, [begin], source_etype=held), held, lanes, step)
+                begin, step, same = _places(builder, name, where, lanes, columns)
+                begun = builder.gep(data, [begin], source_etype=held)
+                memory[name] = _Places(builder, begun, held, lanes, step, same=same)
         line = _Assembler(builder, memory, flags, lanes)
         line.values.update(given)
         line.run(lines)
@@ -83,6 +80,20 @@ def lower(
     return result(*arguments.values()), generate
 
 
+def _width(name: str, lines: Sequence[str]) -> int:
+    """Numbers of an array that a line reads or writes, which are all that it has."""
+    return len({side for line in lines for side in line.split(" = ") if side.startswith(f"{name}[")})
+
+
+def _places(builder: Any, name: str, where: Mapping[str, Any], lanes: int, columns: int) -> tuple[Any, int, bool]:
+    """Where number 0 of an array lies, how much further each next one, and whether all lanes have it in common."""
+    if "across" in where:
+        return (LONG(0), 1, True) if name == "shared" else (where["across"], columns, False)
+    if "column" in where and name != "shared":
+        return builder.mul(where["column"], LONG(lanes)), lanes * columns, False
+    return LONG(0), lanes, False
+
+
 @functools.cache
 def _elementary(name: str) -> tuple[Sequence[str], Sequence[str], Sequence[str]]:
     """Names of the arguments, straight line, and names of the results of an elementary function."""
@@ -92,7 +103,7 @@ def _elementary(name: str) -> tuple[Sequence[str], Sequence[str], Sequence[str]]
 
 
 class _Places:
-    """An array of which the numbers k of all lanes lie in one piece, `step` after those before (or are one and the same)."""
+    """An array in which number k of all lanes lies in one piece, `step` after the one before, or is one for all."""
 
     def __init__(self, builder: Any, first: Any, held: Any, lanes: int, step: int, *, same: bool = False) -> None:
         self.builder, self.first, self.held, self.step = builder, first, held, step

@@ -60,7 +60,10 @@ def _across(context: Any, found: Any, rows: Any, start: Any, first: Any, width: 
     wide, together, many = (each.literal_value for each in (width, count, lanes))
 
     def generate(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
-        source, target = (ctx.make_array(t)(ctx, builder, a).data for t, a in zip(signature.args[:2], args[:2], strict=True))
+        source, target = (
+            ctx.make_array(kind)(ctx, builder, value).data
+            for kind, value in zip(signature.args[:2], args[:2], strict=True)
+        )
         held, vector = ctx.get_data_type(rows.dtype), ir.VectorType(DOUBLE, many)
         columns = []
         for k in range(together):
@@ -76,7 +79,7 @@ def _across(context: Any, found: Any, rows: Any, start: Any, first: Any, width: 
 
 
 across: Any = intrinsic(prefer_literal=True)(_across)
-"""`across(found, rows, start, first, width, count, lanes)`: some columns of numbers that lie sample by sample, into rows."""
+"""`across(found, rows, start, first, width, count, lanes)`: numbers of which all lanes lie together, into rows."""
 
 
 def itemsize(kind: Any) -> int:
