@@ -33,6 +33,7 @@ __all__ = [
     "Carried",
     "Chain",
     "Twist",
+    "accelerations",
     "carried",
     "chain",
     "coriolis",
@@ -40,9 +41,11 @@ __all__ = [
     "inert",
     "moving",
     "of_bodies",
+    "of_body",
     "plus",
     "power",
     "times",
+    "wrench_of_motion",
 ]
 
 IDENTITY = constant_transform(((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0)))
@@ -116,6 +119,15 @@ def chain(model: ArmModel, q: Vector, qd: Vector) -> Chain:
     return found
 
 
+def accelerations(c: Chain, rates: Vector, joint: Vector) -> list[Twist]:
+    """Spatial accelerations of the base (first) and all frames: a + S qdd + S' qd; gravity is one of the base."""
+    found = [Twist(STILL.w, c.up)]
+    for i, (qd, qdd) in enumerate(zip(rates, joint, strict=True)):
+        own = plus(times(qdd, c.axis[i]), times(qd, c.axis_rate[i]))
+        found.append(plus(found[c.model.parent(i) + 1], own))
+    return found
+
+
 class Carried(NamedTuple):
     """Sums over bodies: inertia, momentum P, and K = tr(W) 1 - W with W = sum of m r' r^T."""
 
@@ -126,10 +138,11 @@ class Carried(NamedTuple):
 
 def of_bodies(c: Chain, bodies: Sequence[Inertial]) -> list[Carried]:
     """Each body by itself."""
-    return [_of_body(moved(b, *T), v) for b, T, v in zip(bodies, c.frames, c.velocity, strict=True)]
+    return [of_body(moved(b, *T), v) for b, T, v in zip(bodies, c.frames, c.velocity, strict=True)]
 
 
-def _of_body(body: Inertial, velocity: Twist) -> Carried:
+def of_body(body: Inertial, velocity: Twist) -> Carried:
+    """A body that is stated in the common frame."""
     S = [[body.S[min(i, j)][max(i, j)] for j in range(3)] for i in range(3)]  # one of two equal expressions
     w, v = velocity
     W = columns([add(cross(w, column), scale(h, v)) for column, h in zip(S, body.h, strict=True)])
@@ -152,6 +165,13 @@ def carried(model: ArmModel, each: Sequence[Carried]) -> list[Carried]:
 def inert(body: Inertial, a: Twist) -> Twist:
     """I a: the momentum of a velocity, or the wrench of an acceleration."""
     return Twist(add(matvec(body.rotational(), a.w), cross(body.h, a.v)), add(scale(body.m, a.v), cross(a.w, body.h)))
+
+
+def wrench_of_motion(body: Carried, v: Twist, a: Twist) -> Twist:
+    """Wrench that moves a body: I a + v x* I v."""
+    momentum = inert(body.inertia, v)
+    gyroscopic = Twist(add(cross(v.w, momentum.w), cross(v.v, body.P)), cross(v.w, body.P))
+    return plus(inert(body.inertia, a), gyroscopic)
 
 
 def coriolis(sums: Carried, a: Twist) -> Twist:

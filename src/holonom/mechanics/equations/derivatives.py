@@ -12,10 +12,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from holonom.mechanics.equations.carried import (
-    STILL,
     Carried,
     Chain,
     Twist,
+    accelerations,
     carried,
     chain,
     coriolis,
@@ -26,6 +26,7 @@ from holonom.mechanics.equations.carried import (
     plus,
     power,
     times,
+    wrench_of_motion,
 )
 from holonom.mechanics.equations.composite_body import independent, joint_inertia, with_rotors
 from holonom.mechanics.equations.coriolis import joint_coriolis
@@ -69,7 +70,7 @@ def inverse_dynamics_derivatives(
     """d tau / d(q, qd, qdd); the last is the mass matrix."""
     c = chain(model, q, qd)
     each = of_bodies(c, bodies)
-    a = _accelerations(c, spread(model, qd, rates=True), spread(model, qdd, rates=True))
+    a = accelerations(c, spread(model, qd, rates=True), spread(model, qdd, rates=True))
     return _derivatives(c, carried(model, each), _wrenches(c, each, a), a, qd, friction)
 
 
@@ -112,31 +113,18 @@ def _at_the_motion(
     each = of_bodies(c, bodies)
     sums = carried(model, each)
     rates = spread(model, qd, rates=True)
-    rest = _wrenches(c, each, _accelerations(c, rates, [0.0] * len(rates)))
+    rest = _wrenches(c, each, accelerations(c, rates, [0.0] * len(rates)))
     losses = [friction_torque(j.friction, u) if friction else 0.0 for j, u in zip(model.joints, rates, strict=True)]
     bias = gather(model, [power(S, f) + loss for S, f, loss in zip(c.axis, rest, losses, strict=True)])
     factor = factor_ldl(independent(model, with_rotors(model, joint_inertia(c, sums))))
     qdd = solve_factored(factor, [t - b for t, b in zip(tau, bias, strict=True)])
-    a = _accelerations(c, rates, spread(model, qdd, rates=True))
+    a = accelerations(c, rates, spread(model, qdd, rates=True))
     return _derivatives(c, sums, _wrenches(c, each, a), a, qd, friction), factor
 
 
-def _accelerations(c: Chain, rates: Vector, accelerations: Vector) -> list[Twist]:
-    """Spatial accelerations of the base (first) and all frames: a + S qdd + S' qd; gravity is one of the base."""
-    found = [Twist(STILL.w, c.up)]
-    for i, (qd, qdd) in enumerate(zip(rates, accelerations, strict=True)):
-        own = plus(times(qdd, c.axis[i]), times(qd, c.axis_rate[i]))
-        found.append(plus(found[c.model.parent(i) + 1], own))
-    return found
-
-
 def _wrenches(c: Chain, each: Sequence[Carried], a: Sequence[Twist]) -> list[Twist]:
-    """Wrench that moves all that each joint carries: sums of I a + v x* I v."""
-    found = []
-    for body, v, a_i in zip(each, c.velocity, a[1:], strict=True):
-        momentum = inert(body.inertia, v)
-        gyroscopic = Twist(add(cross(v.w, momentum.w), cross(v.v, body.P)), cross(v.w, body.P))
-        found.append(plus(inert(body.inertia, a_i), gyroscopic))
+    """Wrench that moves all that each joint carries."""
+    found = [wrench_of_motion(body, v, a_i) for body, v, a_i in zip(each, c.velocity, a[1:], strict=True)]
     for i in reversed(range(len(found))):
         if (parent := c.model.parent(i)) >= 0:
             found[parent] = plus(found[parent], found[i])

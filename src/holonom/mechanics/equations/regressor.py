@@ -9,8 +9,10 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator
 
-from holonom.mechanics.equations.inertia import Inertial
-from holonom.mechanics.equations.kinematics import gather, spread
+from holonom.mechanics.equations.carried import accelerations, chain, of_body, power, wrench_of_motion
+from holonom.mechanics.equations.composite_body import MANY
+from holonom.mechanics.equations.inertia import Inertial, moved
+from holonom.mechanics.equations.kinematics import carrying, gather, spread
 from holonom.mechanics.equations.newton_euler import inverse_dynamics
 from holonom.mechanics.equations.vectors import Vector
 from holonom.model import ArmModel, Motor
@@ -46,8 +48,9 @@ def regressor(model: ArmModel, q: Vector, qd: Vector, qdd: Vector) -> list[Numbe
     ratios and motor axes are looked at, and those for rotors="full" only.
     """
     nothing = [from_parameters([0.0] * 10)] * len(model.joints)
+    many = len(model.joints) >= MANY
     columns = [
-        *_body_columns(model, nothing, q, qd, qdd),
+        *(_columns_in_one_frame(model, q, qd, qdd) if many else _body_columns(model, nothing, q, qd, qdd)),
         *_rotor_columns(model, nothing, q, qd, qdd),
         *_friction_columns(model, qd),
     ]
@@ -59,9 +62,24 @@ def _body_columns(
 ) -> Iterator[list[Number]]:
     bare = _with_motor(model, None)
     for i in range(len(model.joints)):
-        for k in range(10):
-            unit = from_parameters([1.0 if k == j else 0.0 for j in range(10)])
+        for unit in _unit_bodies():
             yield inverse_dynamics(bare, [*nothing[:i], unit, *nothing[i + 1 :]], q, qd, qdd)
+
+
+def _columns_in_one_frame(model: ArmModel, q: Vector, qd: Vector, qdd: Vector) -> Iterator[list[Number]]:
+    """The same for long chains, with fewer operations: S_j . f for each joint j that carries the body which f moves."""
+    c = chain(model, q, qd)
+    a = accelerations(c, spread(model, qd, rates=True), spread(model, qdd, rates=True))
+    for i, (frame, v) in enumerate(zip(c.frames, c.velocity, strict=True)):
+        carriers = carrying(model, i)
+        for unit in _unit_bodies():
+            f = wrench_of_motion(of_body(moved(unit, *frame), v), v, a[i + 1])
+            yield gather(model, [power(S, f) if j in carriers else 0.0 for j, S in enumerate(c.axis)])
+
+
+def _unit_bodies() -> list[Inertial]:
+    """Bodies of which one parameter is 1 and all others are 0."""
+    return [from_parameters([float(j == k) for j in range(10)]) for k in range(10)]
 
 
 def _rotor_columns(
