@@ -23,6 +23,8 @@ __all__ = ["DYNAMICS", "WITH_FRICTION"]
 Options = Mapping[str, Any]
 MANY = 12
 """Joints from which on the columns of a result are a loop."""
+MANY_SYMBOLS = 20
+"""The same of Christoffel symbols: a loop cannot make use of zeros and symmetry, and takes more operations."""
 
 
 def _flat(rows: Matrix) -> list[Number]:
@@ -122,13 +124,24 @@ def _coriolis(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> 
 
 
 def _christoffel(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
-    n = len(model.independent)
+    n, in_columns = len(model.independent), _symbols_in_columns(model)
+
+    def equation(q: Vector) -> Sequence[Any]:
+        if in_columns:
+            return coriolis.christoffel_columns(model, bodies, q)
+        return [c for layer in _symbols(model, bodies, q) for c in _flat(layer)]
+
     return compile(
-        lambda q: [c for layer in _symbols(model, bodies, q) for c in _flat(layer)],
+        equation,
         {"q": n},
         {"c": (n, n, n)},
         name=f"{model.name}_christoffel",
+        columns=(lambda shared, own: _flat(coriolis.christoffel_column(model, shared, own))) if in_columns else None,
     )
+
+
+def _symbols_in_columns(model: ArmModel) -> bool:
+    return len(model.independent) >= MANY_SYMBOLS and model.rotors == "reflected"
 
 
 def _symbols(model: ArmModel, bodies: Sequence[Inertial], q: Vector) -> Sequence[Matrix]:
@@ -143,20 +156,31 @@ def _symbols(model: ArmModel, bodies: Sequence[Inertial], q: Vector) -> Sequence
 
 def _coupling_table(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
     """D_i, D_ij, D_ijj, and D_ijk with zeros for j = k."""
-    n = len(model.independent)
+    n, in_columns = len(model.independent), _symbols_in_columns(model)
+    places = range(n)
 
-    def equation(q: Vector) -> list[list[Number]]:
-        still = [0.0] * n
-        c, places = _symbols(model, bodies, q), range(n)
+    def equation(q: Vector) -> Sequence[Vector]:
+        gravity = newton_euler.inverse_dynamics(model, bodies, q, [0.0] * n, [0.0] * n)
+        B = _flat(composite_body.mass_matrix(model, bodies, q))
+        if in_columns:
+            shared, unit = coriolis.christoffel_columns(model, bodies, q)
+            return shared, [*unit, *gravity, *B]
+        c = _symbols(model, bodies, q)
         return [
-            newton_euler.inverse_dynamics(model, bodies, q, still, still),
-            _flat(composite_body.mass_matrix(model, bodies, q)),
+            gravity,
+            B,
             [c[i][j][j] for i in places for j in places],
             [0.0 if j == k else c[i][j][k] for i in places for j in places for k in places],
         ]
 
+    def column(shared: Vector, own: Vector) -> Sequence[Vector]:
+        unit, gravity, B = own[:n], own[n : n + 1], own[n + 1 :]
+        c = coriolis.christoffel_column(model, shared, unit)
+        return [gravity, B, matvec(c, unit), [c[i][j] * (1.0 - unit[j]) for i in places for j in places]]
+
     outputs: dict[str, int | tuple[int, ...]] = {"gravity": n, "B": (n, n), "D2": (n, n), "D3": (n, n, n)}
-    return compile(equation, {"q": n}, outputs, name=f"{model.name}_coupling_table", result=CouplingTable)
+    name = f"{model.name}_coupling_table"
+    return compile(equation, {"q": n}, outputs, name=name, columns=column if in_columns else None, result=CouplingTable)
 
 
 def _bias(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:

@@ -38,6 +38,7 @@ __all__ = [
     "chain",
     "coriolis",
     "coriolis_transposed",
+    "in_motion",
     "inert",
     "moving",
     "of_bodies",
@@ -102,17 +103,25 @@ def chain(model: ArmModel, q: Vector, qd: Vector) -> Chain:
     values, rates = spread(model, q), spread(model, qd, rates=True)
     bare = joint_motion(dataclasses.replace(model.joints[0], after=IDENTITY), values[0])
     base: Pose = transpose(bare.R), scale(-1.0, tvec(bare.R, bare.p))
-    found = Chain(model, [], [], [], [], [], matvec(base[0], tvec(split(model.base)[0], scale(-1.0, model.gravity))))
+    up = matvec(base[0], tvec(split(model.base)[0], scale(-1.0, model.gravity)))
+    frames, axes = list[Pose](), list[Twist]()
     for i, joint in enumerate(model.joints):
         parent = model.parent(i)
-        on = found.frames[parent] if parent >= 0 else base
+        on = frames[parent] if parent >= 0 else base
         motion = joint_motion(joint, values[i])
         R, point = compose(on, split(joint.before)) if i else split(IDENTITY)
         z = columns(R)[2]
-        axis = Twist(z, cross(point, z)) if joint.kind == "revolute" else Twist(STILL.w, z)
+        axes.append(Twist(z, cross(point, z)) if joint.kind == "revolute" else Twist(STILL.w, z))
+        frames.append(compose(on, (motion.R, motion.p)) if i else split(joint.after))
+    return in_motion(model, frames, axes, up, rates)
+
+
+def in_motion(model: ArmModel, frames: list[Pose], axes: list[Twist], up: Vector, rates: Vector) -> Chain:
+    """Velocities of all joints, given where they are."""
+    found = Chain(model, frames, axes, [], [], [], up)
+    for i, axis in enumerate(axes):
+        parent = model.parent(i)
         carrier = found.velocity[parent] if parent >= 0 else STILL
-        found.frames.append(compose(on, (motion.R, motion.p)) if i else split(joint.after))
-        found.axis.append(axis)
         found.axis_rate.append(moving(carrier, axis))
         found.carrier.append(carrier)
         found.velocity.append(plus(carrier, times(rates[i], axis)))

@@ -8,24 +8,29 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from holonom.mechanics.equations.carried import (
+    STILL,
     Carried,
     Chain,
+    Twist,
     carried,
     chain,
     coriolis,
     coriolis_transposed,
+    in_motion,
     inert,
     of_bodies,
+    of_body,
     plus,
     power,
 )
 from holonom.mechanics.equations.composite_body import independent
 from holonom.mechanics.equations.inertia import Inertial
+from holonom.mechanics.equations.kinematics import spread
 from holonom.mechanics.equations.vectors import Vector, dot
 from holonom.model import ArmModel
 from holonom.trace import Number
 
-__all__ = ["christoffel", "coriolis_matrix", "joint_coriolis"]
+__all__ = ["christoffel", "christoffel_column", "christoffel_columns", "coriolis_matrix", "joint_coriolis"]
 
 
 def coriolis_matrix(model: ArmModel, bodies: Sequence[Inertial], q: Vector, qd: Vector) -> list[list[Number]]:
@@ -56,3 +61,29 @@ def christoffel(model: ArmModel, bodies: Sequence[Inertial], q: Vector) -> list[
     n = len(model.independent)
     layers = [coriolis_matrix(model, bodies, q, [float(j == k) for j in range(n)]) for k in range(n)]
     return [[[layers[max(j, k)][i][min(j, k)] for k in range(n)] for j in range(n)] for i in range(n)]
+
+
+def christoffel_columns(model: ArmModel, bodies: Sequence[Inertial], q: Vector) -> tuple[list[Number], list[Number]]:
+    """The same in layers k, which `christoffel_column` makes: what they share, and the speeds that each starts from.
+
+    That is where the joints and the bodies are, and the unit matrix.
+    """
+    n = len(model.independent)
+    c = chain(model, q, [0.0] * n)
+    shared: list[Number] = [x for S in c.axis for x in (*S.w, *S.v)]
+    for body in of_bodies(c, bodies):
+        m, h, S = body.inertia
+        shared += [m, *h, *S[0], *S[1][1:], S[2][2]]
+    return shared, [float(j == k) for j in range(n) for k in range(n)]
+
+
+def christoffel_column(model: ArmModel, shared: Vector, own: Vector) -> list[list[Number]]:
+    """C(q, e_k), given what the layers share and e_k."""
+    n = len(model.joints)
+    axes = [Twist(shared[k : k + 3], shared[k + 3 : k + 6]) for k in range(0, 6 * n, 6)]
+    c = in_motion(model, [], axes, STILL.v, spread(model, own, rates=True))
+    each = []
+    for k, v in enumerate(c.velocity):
+        m, hx, hy, hz, xx, xy, xz, yy, yz, zz = shared[6 * n + 10 * k : 6 * n + 10 * k + 10]
+        each.append(of_body(Inertial(m, [hx, hy, hz], [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]), v))
+    return independent(model, joint_coriolis(c, carried(model, each)))
