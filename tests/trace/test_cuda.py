@@ -80,6 +80,24 @@ for k in range(3):
     simulate(code, tmp_path)
 
 
+def test_columns_are_a_loop_there_too(tmp_path):
+    code = """
+def line(a, b):
+    return [a[0] * a[1], a[1]], [x + a[0] for x in b] + [x * x for x in b]
+
+def column(shared, own):
+    return [own[0] * shared[0], own[1] - shared[1]], [own[0] * own[1]]
+
+kernel = trace.compile(line, {"a": 2, "b": 3}, {"X": (2, 3), "y": 3}, name="columns_gpu", columns=column)
+a, b = np.random.default_rng(0).uniform(-2.0, 2.0, (2, 5)), np.random.default_rng(1).uniform(-2.0, 2.0, (3, 5))
+bad, (X, y) = run(kernel, a, b)
+np.testing.assert_allclose(X, [*((b + a[0]) * a[0] * a[1]), *(b * b - a[1])], atol=1e-14)
+np.testing.assert_allclose(y, (b + a[0]) * b * b, atol=1e-14)
+assert bad == 0
+"""
+    simulate(code, tmp_path)
+
+
 def test_text_without_a_gpu():
     """The text needs no GPU; asking for one says what to do."""
     from numba import cuda

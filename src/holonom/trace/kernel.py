@@ -140,7 +140,7 @@ class Kernel:
         self.name, self.inputs, self.outputs, self.result = name, inputs, outputs, result
         self._body = straight_line(graph, [s for values in results.values() for s in values])
         self._results = {key: [operand(graph, s.i) for s in values] for key, values in results.items()}
-        self._columns = columns
+        self.columns = columns
         lanes = functools.partial(lanes_of, graph, outputs, results) if branches else lambda: columns
         self._parts: Callable[[], Parts | None] = functools.cache(lanes)
         self._axes = 1 + len(inputs[0].shape)
@@ -149,7 +149,7 @@ class Kernel:
     @property
     def operations(self) -> int:
         """Live operations after simplification; those of a column count for each."""
-        return len(self._body) + (self._columns.count * len(self._columns.body) if self._columns else 0)
+        return len(self._body) + (self.columns.count * len(self.columns.body) if self.columns else 0)
 
     @property
     def source(self) -> str:
@@ -159,7 +159,7 @@ class Kernel:
     @property
     def block_source(self) -> str:
         """Readable text of the batch form."""
-        return self.text(emit_block, self._columns)
+        return self.text(emit_block, self.columns)
 
     def text(self, emit: Callable[..., str], *more: Any) -> str:
         """Text of another form, written by `emit(title, body, inputs, outputs, results, *more)`."""
@@ -178,7 +178,7 @@ class Kernel:
     @functools.cached_property
     def rows(self) -> int:
         """Address of the batch form in C: `rows(places, first, last)` (see `emit_block`)."""
-        return load_module(f"{self.name}_rows", self.text(emit_block, self._columns)).rows.address
+        return load_module(f"{self.name}_rows", self.text(emit_block, self.columns)).rows.address
 
     @functools.cached_property
     def _batch(self) -> Batch:

@@ -38,8 +38,8 @@ def factor_ldl(B: Matrix) -> list[list[Number]]:
 def solve_factored(factor: Matrix, b: Vector) -> list[Number]:
     """Solve B x = b, given `factor_ldl(B)`."""
     x = list(b)
-    for k in reversed(range(len(x))):
-        for i in range(k):
+    for i in reversed(range(len(x))):
+        for k in reversed(range(i + 1, len(x))):
             x[i] = x[i] - factor[k][i] * x[k]
     for k, row in enumerate(factor):
         x[k] = x[k] * row[k]
