@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.mechanics import svd
 from holonom.mechanics.arm import Arm
+from holonom.mechanics.decomposition_kernels import (
+    LOST,
+    ellipsoid_at,
+    lost_directions_at,
+    nullspace_at,
+    singular_values_at,
+)
 from holonom.mechanics.equations.vectors import Vector, add, cross, matvec
 from holonom.mechanics.singularity_kernels import NAMED, measures_of, rows_of
 from holonom.trace import Number, compile, real_array
@@ -38,20 +44,16 @@ __all__ = [
 
 Array = NDArray[np.float64]
 Part = Literal["all", "translation", "rotation"]
-LOST = 1e-6
-"""Singular value below which a direction counts as lost (m or 1 per rad)."""
 
 
-@dataclass(frozen=True, slots=True)
-class Ellipsoid:
+class Ellipsoid(NamedTuple):
     """Principal `axes` (..., 3, 3), one per column, in the world, and `radii` (..., 3), largest first."""
 
     axes: Array
     radii: Array
 
 
-@dataclass(frozen=True, slots=True)
-class Singularity:
+class Singularity(NamedTuple):
     """How near an arm is to a singularity.
 
     `value` is 0 at it (a length in m, the sine of an angle, or a singular value); `direction` (6,) is the unit twist
@@ -64,6 +66,12 @@ class Singularity:
     direction: Array
 
 
+def plan(arm: Arm, part: str = "all", frame: str = "world") -> NDArray[np.int64]:
+    """What the compiled decompositions take (`decomposition_kernels`)."""
+    rows = rows_of(part)
+    return np.array([arm.kernel("jacobian", frame=frame).address, arm.n, rows.start, rows.stop - rows.start])
+
+
 def _part(arm: Arm, q: ArrayLike, part: Part) -> Array:
     rows, J = rows_of(part), arm.jacobian(q)
     return J if part == "all" else J[..., rows, :]
@@ -71,7 +79,14 @@ def _part(arm: Arm, q: ArrayLike, part: Part) -> Array:
 
 def singular_values(arm: Arm, q: ArrayLike, part: Part = "all") -> Array:
     """Singular values of the Jacobian (..., min(m, n)), largest first; metres and radians mixed for "all"."""
-    return svd.singular_values(_part(arm, q, part))
+
+    def prepare() -> tuple[Any, Array]:
+        given = plan(arm, part)
+        return given, np.empty(min(arm.n, given[3]))
+
+    given, like = arm.made(("singular_values", part), prepare)
+    found: Array | None = singular_values_at(given, q, like)
+    return svd.singular_values(_part(arm, q, part)) if found is None else found
 
 
 def manipulability(arm: Arm, q: ArrayLike, part: Part = "all", *, threads: int = 1) -> Array:
@@ -82,14 +97,22 @@ def manipulability(arm: Arm, q: ArrayLike, part: Part = "all", *, threads: int =
 
 def lost_directions(arm: Arm, q: ArrayLike, *, tolerance: float = LOST) -> Array:
     """Unit twists [v; w] in the world (k, 6) along which the tool cannot move at q (n,)."""
-    U, s, _ = svd.svd(_one(arm, q))
-    return U[:, np.count_nonzero(s > tolerance) :].T.copy()
+    given, likes = arm.made("lost_directions", lambda: (plan(arm), tuple(np.empty((k, 6)) for k in range(7))))
+    found: Array | None = lost_directions_at(given, q, tolerance, likes)
+    if found is None:
+        U, s, _ = svd.svd(_one(arm, q))
+        return U[:, np.count_nonzero(s > tolerance) :].T.copy()
+    return found
 
 
 def nullspace(arm: Arm, q: ArrayLike, *, tolerance: float = LOST) -> Array:
     """Orthonormal joint rates (n, k) that leave the tool at rest at q (n,)."""
-    _, s, Vt = svd.svd(_one(arm, q))
-    return Vt[np.count_nonzero(s > tolerance) :].T.copy()
+    given, likes = arm.made("nullspace", lambda: (plan(arm), tuple(np.empty((arm.n, k)) for k in range(arm.n + 1))))
+    found: Array | None = nullspace_at(given, q, tolerance, likes)
+    if found is None:
+        _, s, Vt = svd.svd(_one(arm, q))
+        return Vt[np.count_nonzero(s > tolerance) :].T.copy()
+    return found
 
 
 def _one(arm: Arm, q: ArrayLike) -> Array:
@@ -101,10 +124,7 @@ def _one(arm: Arm, q: ArrayLike) -> Array:
 
 def velocity_ellipsoid(arm: Arm, q: ArrayLike, part: Literal["translation", "rotation"] = "translation") -> Ellipsoid:
     """Tool velocities that joint rates of norm 1 reach: radii in m/s (or rad/s) per rad/s."""
-    U, s, _ = svd.svd(_part(arm, q, part))
-    radii = np.zeros(U.shape[:-1])
-    radii[..., : s.shape[-1]] = s
-    return Ellipsoid(U, radii)
+    return _ellipsoid(arm, q, part, False)
 
 
 def force_ellipsoid(arm: Arm, q: ArrayLike, part: Literal["translation", "rotation"] = "translation") -> Ellipsoid:
@@ -112,10 +132,22 @@ def force_ellipsoid(arm: Arm, q: ArrayLike, part: Literal["translation", "rotati
 
     A radius is infinite where a direction is lost: the structure carries the load, not the motors.
     """
-    velocity = velocity_ellipsoid(arm, q, part)
-    radii = np.full(velocity.radii.shape, np.inf)
-    np.divide(1.0, velocity.radii, out=radii, where=velocity.radii > LOST)
-    return Ellipsoid(velocity.axes[..., ::-1], radii[..., ::-1])
+    return _ellipsoid(arm, q, part, True)
+
+
+def _ellipsoid(arm: Arm, q: ArrayLike, part: Part, of_forces: bool) -> Ellipsoid:
+    given, like = arm.made(("ellipsoid", part), lambda: (plan(arm, part), Ellipsoid(np.empty((3, 3)), np.empty(3))))
+    found: Ellipsoid | None = ellipsoid_at(given, q, of_forces, like)
+    if found is not None:
+        return found
+    axes, s, _ = svd.svd(_part(arm, q, part))
+    radii = np.zeros(axes.shape[:-1])
+    radii[..., : s.shape[-1]] = s
+    if not of_forces:
+        return Ellipsoid(axes, radii)
+    inverse = np.full(radii.shape, np.inf)
+    np.divide(1.0, radii, out=inverse, where=radii > LOST)
+    return Ellipsoid(axes[..., ::-1], inverse[..., ::-1])
 
 
 def singularities(arm: Arm, q: ArrayLike, *, tolerance: float = 0.02) -> tuple[Singularity, ...]:

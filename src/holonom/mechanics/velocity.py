@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from dataclasses import dataclass
 
@@ -10,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import InputError, ShapeError
+from holonom.mechanics.analysis import plan
 from holonom.mechanics.arm import Arm
 from holonom.mechanics.nearest import joint_vectors
 from holonom.mechanics.velocity_kernels import AUTO, rates_of_one, rates_of_rows
@@ -62,7 +62,7 @@ def joint_rates(
     -----
     Nakamura & Hanafusa (1986); Siciliano et al., Robotics, 3.5.2.
     """
-    return _rates(arm.jacobian(q, frame), twist, _damping(damping))
+    return _rates(arm, q, twist, frame, _damping(damping))
 
 
 def _damping(damping: str | float) -> float:
@@ -73,13 +73,13 @@ def _damping(damping: str | float) -> float:
     return float(damping)
 
 
-def _rates(J: Array, twist: ArrayLike, damping: float) -> Array:
+def _rates(arm: Arm, q: ArrayLike, twist: ArrayLike, frame: str, damping: float) -> Array:
     """Rates (..., n) for twists (..., 6), with lambda or `AUTO`."""
-    if J.ndim == 2:
-        found: Array | None = rates_of_one(J, twist, damping, _like(J.shape[1]))
-        if found is not None:
-            return found
-    wanted = real_array("twist", twist)
+    given, like = arm.made(("joint_rates", frame), lambda: (plan(arm, frame=frame), np.empty(arm.n)))
+    found: Array | None = rates_of_one(given, q, twist, damping, like)
+    if found is not None:
+        return found
+    J, wanted = arm.jacobian(q, frame), real_array("twist", twist)
     if wanted.shape[-1:] != (6,) or not np.isfinite(wanted).all():
         raise ShapeError(f"twist must be finite and of shape (..., 6), [v; w]; shape {wanted.shape} came")
     lead, n = np.broadcast_shapes(J.shape[:-2], wanted.shape[:-1]), J.shape[-1]
@@ -88,12 +88,6 @@ def _rates(J: Array, twist: ArrayLike, damping: float) -> Array:
     twists = np.ascontiguousarray(np.broadcast_to(wanted, (*lead, 6))).reshape(count, 6)
     rates_of_rows(rows, twists, damping, qd.reshape(count, n))
     return qd
-
-
-@functools.cache
-def _like(n: int) -> Array:
-    """What the rates of one sample take after."""
-    return np.empty(n)
 
 
 def follow_path(
@@ -149,7 +143,7 @@ def _follow(arm: Arm, start: Array, poses: Array, dt: float, gain: float, dampin
         residual[..., i] = np.linalg.norm(error, axis=-1)
         if i + 1 < count:
             ahead = _twist(poses[..., i, :, :], poses[..., i + 1, :, :]) / dt
-            qd[..., i, :] = _rates(arm.jacobian(q[..., i, :]), ahead + gain * error, damping)
+            qd[..., i, :] = _rates(arm, q[..., i, :], ahead + gain * error, "world", damping)
             q[..., i + 1, :] = q[..., i, :] + dt * qd[..., i, :]
     bounds = arm.limits
     inside = (q >= bounds.lower) & (q <= bounds.upper) & (np.abs(qd) <= bounds.speed)
