@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import Any, Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,9 +20,11 @@ from holonom.mechanics.decomposition_kernels import (
     ellipsoid_at,
     lost_directions_at,
     nullspace_at,
+    plan_of,
     singular_values_at,
 )
 from holonom.mechanics.equations.vectors import Vector, add, cross, matvec
+from holonom.mechanics.results import Ellipsoid, Singularity
 from holonom.mechanics.singularity_kernels import NAMED, measures_of, rows_of
 from holonom.trace import Number, compile, real_array
 
@@ -46,32 +48,6 @@ Array = NDArray[np.float64]
 Part = Literal["all", "translation", "rotation"]
 
 
-class Ellipsoid(NamedTuple):
-    """Principal `axes` (..., 3, 3), one per column, in the world, and `radii` (..., 3), largest first."""
-
-    axes: Array
-    radii: Array
-
-
-class Singularity(NamedTuple):
-    """How near an arm is to a singularity.
-
-    `value` is 0 at it (a length in m, the sine of an angle, or a singular value); `direction` (6,) is the unit twist
-    [v; w] in the world that is lost there, or would be lost first.
-    """
-
-    name: str
-    value: float
-    near: bool
-    direction: Array
-
-
-def plan(arm: Arm, part: str = "all", frame: str = "world") -> NDArray[np.int64]:
-    """What the compiled decompositions take (`decomposition_kernels`)."""
-    rows = rows_of(part)
-    return np.array([arm.kernel("jacobian", frame=frame).address, arm.n, rows.start, rows.stop - rows.start])
-
-
 def _part(arm: Arm, q: ArrayLike, part: Part) -> Array:
     rows, J = rows_of(part), arm.jacobian(q)
     return J if part == "all" else J[..., rows, :]
@@ -79,14 +55,14 @@ def _part(arm: Arm, q: ArrayLike, part: Part) -> Array:
 
 def singular_values(arm: Arm, q: ArrayLike, part: Part = "all") -> Array:
     """Singular values of the Jacobian (..., min(m, n)), largest first; metres and radians mixed for "all"."""
-
-    def prepare() -> tuple[Any, Array]:
-        given = plan(arm, part)
-        return given, np.empty(min(arm.n, given[3]))
-
-    given, like = arm.made(("singular_values", part), prepare)
-    found: Array | None = singular_values_at(given, q, like)
+    plan, like = arm.prepared[_values_prepared, part]
+    found: Array | None = singular_values_at(plan, q, like)
     return svd.singular_values(_part(arm, q, part)) if found is None else found
+
+
+def _values_prepared(arm: Arm, part: Part) -> tuple[Array, Array]:
+    plan = plan_of(arm, part)
+    return plan, np.empty(min(arm.n, plan[3]))
 
 
 def manipulability(arm: Arm, q: ArrayLike, part: Part = "all", *, threads: int = 1) -> Array:
@@ -97,22 +73,30 @@ def manipulability(arm: Arm, q: ArrayLike, part: Part = "all", *, threads: int =
 
 def lost_directions(arm: Arm, q: ArrayLike, *, tolerance: float = LOST) -> Array:
     """Unit twists [v; w] in the world (k, 6) along which the tool cannot move at q (n,)."""
-    given, likes = arm.made("lost_directions", lambda: (plan(arm), tuple(np.empty((k, 6)) for k in range(7))))
-    found: Array | None = lost_directions_at(given, q, tolerance, likes)
+    plan, likes = arm.prepared[_directions_prepared]
+    found: Array | None = lost_directions_at(plan, q, tolerance, likes)
     if found is None:
         U, s, _ = svd.svd(_one(arm, q))
         return U[:, np.count_nonzero(s > tolerance) :].T.copy()
     return found
 
 
+def _directions_prepared(arm: Arm) -> tuple[Array, tuple[Array, ...]]:
+    return plan_of(arm), tuple(np.empty((k, 6)) for k in range(7))
+
+
 def nullspace(arm: Arm, q: ArrayLike, *, tolerance: float = LOST) -> Array:
     """Orthonormal joint rates (n, k) that leave the tool at rest at q (n,)."""
-    given, likes = arm.made("nullspace", lambda: (plan(arm), tuple(np.empty((arm.n, k)) for k in range(arm.n + 1))))
-    found: Array | None = nullspace_at(given, q, tolerance, likes)
+    plan, likes = arm.prepared[_nullspace_prepared]
+    found: Array | None = nullspace_at(plan, q, tolerance, likes)
     if found is None:
         _, s, Vt = svd.svd(_one(arm, q))
         return Vt[np.count_nonzero(s > tolerance) :].T.copy()
     return found
+
+
+def _nullspace_prepared(arm: Arm) -> tuple[Array, tuple[Array, ...]]:
+    return plan_of(arm), tuple(np.empty((arm.n, k)) for k in range(arm.n + 1))
 
 
 def _one(arm: Arm, q: ArrayLike) -> Array:
@@ -135,9 +119,13 @@ def force_ellipsoid(arm: Arm, q: ArrayLike, part: Literal["translation", "rotati
     return _ellipsoid(arm, q, part, True)
 
 
+def _ellipsoid_prepared(arm: Arm, part: Part) -> tuple[Array, Ellipsoid]:
+    return plan_of(arm, part), Ellipsoid(np.empty((3, 3)), np.empty(3))
+
+
 def _ellipsoid(arm: Arm, q: ArrayLike, part: Part, of_forces: bool) -> Ellipsoid:
-    given, like = arm.made(("ellipsoid", part), lambda: (plan(arm, part), Ellipsoid(np.empty((3, 3)), np.empty(3))))
-    found: Ellipsoid | None = ellipsoid_at(given, q, of_forces, like)
+    plan, like = arm.prepared[_ellipsoid_prepared, part]
+    found: Ellipsoid | None = ellipsoid_at(plan, q, of_forces, like)
     if found is not None:
         return found
     axes, s, _ = svd.svd(_part(arm, q, part))

@@ -1,22 +1,26 @@
 """The decompositions of `mechanics.analysis` at one configuration: from q to the result in one compiled call.
 
-Each takes a plan, int64 (4,): address of the arm's Jacobian, count of joints, first row of the part, count of rows. It
-returns None if q is no such array of finite numbers; the general way then says what is wrong with it.
+Each takes a plan (`plan_of`), and results to take after. It returns None if q is no such array of finite numbers; the
+general way then says what is wrong with it.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numba import boolean, float64, int64, njit
 from numpy.typing import NDArray
 
+from holonom.mechanics.singularity_kernels import rows_of
 from holonom.mechanics.svd_kernels import ROOM, complete, decompose, room_for
 from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.pointer import call_kernel
 from holonom.trace.results import Results, entry, exists, made_like, nothing
+
+if TYPE_CHECKING:
+    from holonom.mechanics.arm import Arm
 
 __all__ = [
     "LOST",
@@ -26,6 +30,7 @@ __all__ = [
     "given_jacobian",
     "lost_directions_at",
     "nullspace_at",
+    "plan_of",
     "room_for",
     "singular_values_at",
 ]
@@ -34,6 +39,12 @@ Floats = NDArray[np.float64]
 LOST = 1e-6
 """Singular value below which a direction counts as lost (m or 1 per rad)."""
 PLAN = ArrayObject(int64, (4,))
+
+
+def plan_of(arm: Arm, part: str = "all", frame: str = "world") -> NDArray[np.int64]:
+    """Address of the arm's Jacobian in C form, count of joints, first row of the part, count of its rows."""
+    rows = rows_of(part)
+    return np.array([arm.kernel("jacobian", frame=frame).address, arm.n, rows.start, rows.stop - rows.start])
 
 
 @njit(cache=True, error_model="numpy")

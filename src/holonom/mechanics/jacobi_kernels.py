@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from holonom.trace.compiled import select
 from holonom.trace.simd import any_of, chosen, largest, load, spread, store
 
-__all__ = ["COLUMN", "MOST", "SPARE", "TINY", "laid_out", "orthogonalise", "slot"]
+__all__ = ["COLUMN", "MOST", "SPARE", "TINY", "laid_out", "orthogonalise", "ranked", "slot"]
 
 Floats = NDArray[np.float64]
-MOST, COLUMN, SPARE = 6, 8, 2
+MOST, COLUMN, SPARE = 6, 8, 3
 """Rows at most; numbers that a column takes: the pairs' first rows, then their second ones; columns of results."""
 ROUNDING = 1e-15
 """Cosine between two rows up to which they count as orthogonal."""
@@ -61,12 +61,16 @@ def laid_out(A: Floats, room: Floats, more: int) -> float:
     for i in range(rows):
         at = slot(i, rows)
         room[factors + at] = 1.0
-        for k in range(columns):
-            room[COLUMN * k + at] = A[i, k] if m <= n else A[k, i]
-    most = spread(0.0)
-    for k in range(2 * columns):
-        most = max(most, abs(load(room, k)))
-    size = largest(most)
+        if m <= n:
+            for k in range(columns):
+                room[COLUMN * k + at] = A[i, k]
+        else:
+            for k in range(columns):
+                room[COLUMN * k + at] = A[k, i]
+    first, second = spread(0.0), spread(0.0)
+    for k in range(columns):
+        first, second = max(first, abs(load(room, 2 * k))), max(second, abs(load(room, 2 * k + 1)))
+    size = largest(max(first, second))
     if SMALL <= size <= LARGE or size == 0.0:
         return 1.0
     for k in range(COLUMN * columns):
@@ -137,3 +141,16 @@ def orthogonalise(room: Floats, rows: int, columns: int, more: int) -> None:
     store(room, end + 1, math.sqrt(q))
     store(room, end + 2, select(p > zero, p * a, spread(-1.0)))
     store(room, end + 3, select(q > zero, q * b, spread(-1.0)))
+
+
+@njit(cache=True, error_model="numpy")
+def ranked(room: Floats, at: int) -> None:
+    """Write after column `at` how many of its numbers are larger than each."""
+    x, y = load(room, 2 * at), load(room, 2 * at + 1)
+    one, first, second = spread(1.0), spread(0.0), spread(0.0)
+    for k in range(COLUMN):
+        number = spread(room[COLUMN * at + k])
+        first += select(number > x, one, 0.0 * one)
+        second += select(number > y, one, 0.0 * one)
+    store(room, 2 * at + 2, first)
+    store(room, 2 * at + 3, second)

@@ -13,7 +13,7 @@ import numpy as np
 from numba import float64, njit
 from numpy.typing import NDArray
 
-from holonom.mechanics.jacobi_kernels import COLUMN, SPARE, TINY, laid_out, orthogonalise, slot
+from holonom.mechanics.jacobi_kernels import COLUMN, SPARE, TINY, laid_out, orthogonalise, ranked, slot
 from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.results import Results, entry, exists, made_like, nothing
 
@@ -43,25 +43,25 @@ def decompose(A: Floats, room: Floats, R: Floats, s: Floats, Y: Floats) -> int:
     for i in range(more):
         room[COLUMN * (columns + i) + slot(i, k)] = 1.0
     orthogonalise(room, k, columns, more)
-    factor = COLUMN * (columns + more)
+    end = columns + more
+    ranked(room, end + 1)
     rank = 0
     for i in range(k):
-        largest, best = 0, -1.0
-        for at in range(COLUMN):
-            square = room[factor + COLUMN + at]
-            if square > best or (best < 0.0 and not square < 0.0):  # may be NaN
-                largest, best = at, square
-        room[factor + COLUMN + largest] = -1.0
-        s[i] = math.sqrt(best)
-        for j in range(more):
-            R[i, j] = room[factor + largest] * room[COLUMN * (columns + j) + largest]
-        if not s[i] <= TINY:
-            rank += 1
+        s[i] = -1.0
+    for at in range(COLUMN):
+        i = int(room[COLUMN * (end + 2) + at])
+        while i < k and not s[i] < 0.0:  # equal ones: the next place
+            i += 1
+        if i < k:
+            factor, length = room[COLUMN * end + at], math.sqrt(room[COLUMN * (end + 1) + at])
+            s[i] = length * unit
+            for j in range(more):
+                R[i, j] = factor * room[COLUMN * (columns + j) + at]
+            if length > TINY:
+                rank += 1
             if Y.shape[0] > 0:
-                scale = room[factor + largest] / s[i]
                 for j in range(columns):
-                    Y[i, j] = scale * room[COLUMN * j + largest]
-        s[i] *= unit
+                    Y[i, j] = factor / length * room[COLUMN * j + at]
     return rank
 
 

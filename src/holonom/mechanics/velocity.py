@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import InputError, ShapeError
-from holonom.mechanics.analysis import plan
 from holonom.mechanics.arm import Arm
+from holonom.mechanics.decomposition_kernels import plan_of
 from holonom.mechanics.nearest import joint_vectors
 from holonom.mechanics.velocity_kernels import AUTO, rates_of_one, rates_of_rows
 from holonom.spatial import check_pose
@@ -62,7 +62,7 @@ def joint_rates(
     -----
     Nakamura & Hanafusa (1986); Siciliano et al., Robotics, 3.5.2.
     """
-    return _rates(arm, q, twist, frame, _damping(damping))
+    return _rates(arm, q, twist, frame, AUTO if damping == "auto" else _damping(damping))
 
 
 def _damping(damping: str | float) -> float:
@@ -73,10 +73,14 @@ def _damping(damping: str | float) -> float:
     return float(damping)
 
 
+def _rates_prepared(arm: Arm, frame: str) -> tuple[NDArray[np.int64], Array]:
+    return plan_of(arm, frame=frame), np.empty(arm.n)
+
+
 def _rates(arm: Arm, q: ArrayLike, twist: ArrayLike, frame: str, damping: float) -> Array:
     """Rates (..., n) for twists (..., 6), with lambda or `AUTO`."""
-    given, like = arm.made(("joint_rates", frame), lambda: (plan(arm, frame=frame), np.empty(arm.n)))
-    found: Array | None = rates_of_one(given, q, twist, damping, like)
+    plan, like = arm.prepared[_rates_prepared, frame]
+    found: Array | None = rates_of_one(plan, q, twist, damping, like)
     if found is not None:
         return found
     J, wanted = arm.jacobian(q, frame), real_array("twist", twist)
