@@ -14,7 +14,7 @@ from numba import boolean, float64, int64, njit
 from numpy.typing import NDArray
 
 from holonom.mechanics.singularity_kernels import rows_of
-from holonom.mechanics.svd_kernels import ROOM, complete, decompose, room_for
+from holonom.mechanics.svd_kernels import ROOM, complete, decompose, room_for, rows_of_turns, unit_rows
 from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.pointer import call_kernel
 from holonom.trace.results import Results, entry, exists, made_like, nothing
@@ -67,26 +67,6 @@ def _part(plan: Any, J: Floats) -> Floats:
 
 
 @njit(cache=True, error_model="numpy")
-def _left(A: Floats, room: Floats, Ut: Floats, s: Floats) -> None:
-    """Singular values s (k,) and left vectors of A (m, n), a row of Ut (m, m) each."""
-    none = room[:0].reshape(0, 1)
-    if A.shape[0] <= A.shape[1]:
-        decompose(A, room, Ut, s, none)
-    else:
-        complete(Ut, decompose(A, room, none, s, Ut))
-
-
-@njit(cache=True, error_model="numpy")
-def _right(A: Floats, room: Floats, Vt: Floats, s: Floats) -> None:
-    """Singular values s (k,) and right vectors of A (m, n), a row of Vt (n, n) each."""
-    none = room[:0].reshape(0, 1)
-    if A.shape[0] <= A.shape[1]:
-        complete(Vt, decompose(A, room, none, s, Vt))
-    else:
-        decompose(A, room, Vt, s, none)
-
-
-@njit(cache=True, error_model="numpy")
 def _count(s: Floats, tolerance: float) -> int:
     count = 0
     for x in s:
@@ -105,9 +85,19 @@ def _singular_values_at(plan: Any, q: Any, like: Any) -> Any:
         return nothing(like)
     result = made_like(like)
     if exists(result):
-        none = room[:0].reshape(0, 1)
-        decompose(_part(array_of(plan), J), room, none, array_of(result), none)
+        decompose(_part(array_of(plan), J), room, array_of(result), False)
     return result
+
+
+@njit(cache=True, error_model="numpy")
+def _left_after(A: Floats, room: Floats, s: Floats, rank: int, first: int, rows: Floats) -> None:
+    """Write left vectors of a decomposed A (m, n), u^T in a row of `rows` (m, m) each, those before the first or not."""
+    m, n = A.shape
+    if m <= n:
+        rows_of_turns(room, n, m, first, rows[first:])
+    else:
+        unit_rows(room, m, 0, rank, rows)
+        complete(rows, rank)
 
 
 @njit(_ELLIPSOID(PLAN, _LIST, boolean, _ELLIPSOID), cache=True, error_model="numpy")
@@ -118,18 +108,16 @@ def _ellipsoid_at(plan: Any, q: Any, of_forces: bool, like: Any) -> Any:
     result = made_like(like)
     if exists(result):
         A, axes, radii = _part(array_of(plan), J), array_of(entry(result, 0)), array_of(entry(result, 1))
-        rows = A.shape[0]
-        Ut = J[J.shape[0] - rows * rows :].reshape(rows, rows)
-        radii[:] = 0.0
-        _left(A, room, Ut, radii[: min(A.shape)])
-        for i in range(rows):
-            for j in range(rows):
-                axes[j, rows - 1 - i if of_forces else i] = Ut[i, j]
-        if of_forces:
-            for i in range(rows):
-                Ut[0, i] = radii[i]
-            for i in range(rows):
-                radii[rows - 1 - i] = 1.0 / Ut[0, i] if Ut[0, i] > LOST else np.inf
+        m, n = A.shape
+        s, rows = J[ROOM - m :], J[ROOM - m - m * m : ROOM - m].reshape(m, m)
+        s[:] = 0.0
+        rank = decompose(A, room, s[: min(m, n)], m <= n)
+        _left_after(A, room, s, rank, 0, rows)
+        for i in range(m):
+            at = m - 1 - i if of_forces else i
+            radii[at] = s[i] if not of_forces else (1.0 / s[i] if s[i] > LOST else np.inf)
+            for j in range(m):
+                axes[j, at] = rows[i, j]
     return result
 
 
@@ -139,17 +127,17 @@ def _lost_directions_at(plan: Any, q: Any, tolerance: float, likes: Any) -> Any:
     if not (fits(plan) and fits(q) and given_jacobian(array_of(plan), array_of(q), J)):
         return nothing(entry(likes, 0))
     A = _part(array_of(plan), J)
-    m = A.shape[0]
-    basis = scratch(ROOM)
-    Ut, s = basis[: m * m].reshape(m, m), basis[ROOM - min(A.shape) :]
-    _left(A, room, Ut, s)
+    m, n = A.shape
+    s, rows = J[ROOM - min(m, n) :], J[ROOM - m - m * m : ROOM - m].reshape(m, m)
+    rank = decompose(A, room, s, m <= n)
     kept = _count(s, tolerance)
     result = made_like(entry(likes, m - kept))
-    if exists(result):
+    if exists(result) and kept < m:
         found = array_of(result)
-        for i in range(m - kept):
+        _left_after(A, room, s, rank, kept, rows)
+        for i in range(kept, m):
             for j in range(m):
-                found[i, j] = Ut[kept + i, j]
+                found[i - kept, j] = rows[i, j]
     return result
 
 
@@ -159,19 +147,23 @@ def _nullspace_at(plan: Any, q: Any, tolerance: float, likes: Any) -> Any:
     if not (fits(plan) and fits(q) and given_jacobian(array_of(plan), array_of(q), J)):
         return nothing(entry(likes, 0))
     A = _part(array_of(plan), J)
-    n = A.shape[1]
-    if n * n + n > ROOM:
+    m, n = A.shape
+    if n * n > ROOM:
         return nothing(entry(likes, 0))
-    basis = scratch(ROOM)
-    Vt, s = basis[: n * n].reshape(n, n), basis[ROOM - min(A.shape) :]
-    _right(A, room, Vt, s)
+    s = J[ROOM - min(m, n) :]
+    rank = decompose(A, room, s, m > n)
     kept = _count(s, tolerance)
     result = made_like(entry(likes, n - kept))
-    if exists(result):
-        found = array_of(result)
-        for i in range(n - kept):
+    if exists(result) and kept < n:
+        found, rows = array_of(result), scratch(ROOM)[: n * n].reshape(n, n)
+        if m <= n:
+            unit_rows(room, n, 0, rank, rows)
+            complete(rows, rank)
+        else:
+            rows_of_turns(room, m, n, kept, rows[kept:])
+        for i in range(kept, n):
             for j in range(n):
-                found[j, i] = Vt[kept + i, j]
+                found[j, i - kept] = rows[i, j]
     return result
 
 

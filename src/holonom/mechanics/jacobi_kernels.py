@@ -22,7 +22,7 @@ from holonom.trace.simd import any_of, chosen, largest, load, spread, store
 __all__ = ["COLUMN", "MOST", "SPARE", "TINY", "laid_out", "orthogonalise", "ranked", "slot"]
 
 Floats = NDArray[np.float64]
-MOST, COLUMN, SPARE = 6, 8, 3
+MOST, COLUMN, SPARE = 6, 8, 4
 """Rows at most; numbers that a column takes: the pairs' first rows, then their second ones; columns of results."""
 ROUNDING = 1e-15
 """Cosine between two rows up to which they count as orthogonal."""

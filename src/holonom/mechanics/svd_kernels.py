@@ -17,7 +17,18 @@ from holonom.mechanics.jacobi_kernels import COLUMN, SPARE, TINY, laid_out, orth
 from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.results import Results, entry, exists, made_like, nothing
 
-__all__ = ["ROOM", "complete", "decompose", "room_for", "svd_of_one", "svd_of_rows", "values_of_one", "values_of_rows"]
+__all__ = [
+    "ROOM",
+    "complete",
+    "decompose",
+    "room_for",
+    "rows_of_turns",
+    "svd_of_one",
+    "svd_of_rows",
+    "unit_rows",
+    "values_of_one",
+    "values_of_rows",
+]
 
 Floats = NDArray[np.float64]
 ROOM = 512
@@ -31,38 +42,55 @@ def room_for(m: int, n: int) -> int:
 
 
 @njit(cache=True, error_model="numpy")
-def decompose(A: Floats, room: Floats, R: Floats, s: Floats, Y: Floats) -> int:
-    """Write A (m, n), or its transpose if m > n, as R^T diag(s) Y: rows of Y orthonormal, s (k,) largest first.
+def decompose(A: Floats, room: Floats, s: Floats, turns: bool) -> int:
+    """Factorise A (m, n), or its transpose if m > n, as R^T diag(s) Y, with s (k,), k = min(m, n), largest first.
 
-    R is (k, k) or, where it is not asked for, (0, k); of Y the first k rows are written, k = min(m, n), or none if it
-    has none. Returns how many of them there are: the other singular values are zero, their rows too.
+    R (k, k) is orthogonal, the first rows of Y (k, n) are orthonormal. Returns how many of these there are: the other
+    singular values are zero, their rows too. They stay in room, for `rows_of_turns` if R was asked for and `unit_rows`.
     """
     k, columns = s.shape[0], max(A.shape)
-    more = R.shape[0]
+    more = k if turns else 0
     unit = laid_out(A, room, more)
     for i in range(more):
         room[COLUMN * (columns + i) + slot(i, k)] = 1.0
     orthogonalise(room, k, columns, more)
-    end = columns + more
-    ranked(room, end + 1)
-    rank = 0
+    end = COLUMN * (columns + more)
+    ranked(room, columns + more + 1)
     for i in range(k):
         s[i] = -1.0
+    rank = 0
     for at in range(COLUMN):
-        i = int(room[COLUMN * (end + 2) + at])
+        i = int(room[end + 2 * COLUMN + at])
         while i < k and not s[i] < 0.0:  # equal ones: the next place
             i += 1
         if i < k:
-            factor, length = room[COLUMN * end + at], math.sqrt(room[COLUMN * (end + 1) + at])
+            length = math.sqrt(room[end + COLUMN + at])
             s[i] = length * unit
-            for j in range(more):
-                R[i, j] = factor * room[COLUMN * (columns + j) + at]
-            if length > TINY:
-                rank += 1
-            if Y.shape[0] > 0:
-                for j in range(columns):
-                    Y[i, j] = factor / length * room[COLUMN * j + at]
+            room[end + 3 * COLUMN + i] = at
+            rank += length > TINY
     return rank
+
+
+@njit(cache=True, error_model="numpy")
+def rows_of_turns(room: Floats, columns: int, k: int, first: int, R: Floats) -> None:
+    """Write rows of R from a first one on."""
+    end = COLUMN * (columns + k)
+    for i in range(first, k):
+        at = int(room[end + 3 * COLUMN + i])
+        factor = room[end + at]
+        for j in range(k):
+            R[i - first, j] = factor * room[COLUMN * (columns + j) + at]
+
+
+@njit(cache=True, error_model="numpy")
+def unit_rows(room: Floats, columns: int, more: int, count: int, Y: Floats) -> None:
+    """Write the first rows of Y; more: k if R was asked for, else 0."""
+    end = COLUMN * (columns + more)
+    for i in range(count):
+        at = int(room[end + 3 * COLUMN + i])
+        scale = room[end + at] / math.sqrt(room[end + COLUMN + at])
+        for j in range(columns):
+            Y[i, j] = scale * room[COLUMN * j + at]
 
 
 @njit(cache=True, error_model="numpy")
@@ -99,8 +127,12 @@ def complete(Y: Floats, count: int) -> None:
 @njit(cache=True, error_model="numpy")
 def _svd(A: Floats, room: Floats, U: Floats, s: Floats, Vt: Floats) -> None:
     """A = U[:, :k] diag(s) Vt[:k], with U (m, m) and Vt (n, n) orthogonal."""
+    k, columns = s.shape[0], max(A.shape)
     Y, R = (Vt, U) if A.shape[0] <= A.shape[1] else (U, Vt)
-    complete(Y, decompose(A, room, R, s, Y))
+    rank = decompose(A, room, s, True)
+    rows_of_turns(room, columns, k, 0, R)
+    unit_rows(room, columns, k, rank, Y)
+    complete(Y, rank)
     for i in range(U.shape[0]):
         for j in range(i):
             U[i, j], U[j, i] = U[j, i], U[i, j]
@@ -118,9 +150,8 @@ def svd_of_rows(A: Floats, U: Floats, s: Floats, Vt: Floats) -> None:
 def values_of_rows(A: Floats, s: Floats) -> None:
     """Singular values s (N, k) of each A (N, m, n)."""
     room = np.empty(room_for(*A.shape[1:]))
-    nothing_else = room[:0].reshape(0, 1)
     for row in range(A.shape[0]):
-        decompose(A[row], room, nothing_else, s[row], nothing_else)
+        decompose(A[row], room, s[row], False)
 
 
 _LIST, _TABLE = ArrayObject(float64, (None,)), ArrayObject(float64, (None, None))
@@ -144,9 +175,7 @@ def _values_of_one(A: Any, like: Any) -> Any:
         return nothing(like)
     result = made_like(like)
     if exists(result):
-        room = scratch(ROOM)
-        nothing_else = room[:0].reshape(0, 1)
-        decompose(array_of(A), room, nothing_else, array_of(result), nothing_else)
+        decompose(array_of(A), scratch(ROOM), array_of(result), False)
     return result
 
 
