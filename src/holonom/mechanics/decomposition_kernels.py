@@ -14,10 +14,11 @@ from numba import boolean, float64, int64, njit
 from numpy.typing import NDArray
 
 from holonom.mechanics.singularity_kernels import rows_of
-from holonom.mechanics.svd_kernels import ROOM, complete, decompose, room_for, rows_of_turns, unit_rows
+from holonom.mechanics.svd_kernels import ROOM, complete, decompose, room_for, rows_of_turns, unit_rows, weights
 from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.pointer import call_kernel
 from holonom.trace.results import Results, entry, exists, made_like, nothing
+from holonom.trace.simd import load, spread, total
 
 if TYPE_CHECKING:
     from holonom.mechanics.arm import Arm
@@ -141,6 +142,44 @@ def _lost_directions_at(plan: Any, q: Any, tolerance: float, likes: Any) -> Any:
     return result
 
 
+@njit(cache=True, error_model="numpy", fastmath={"contract"})
+def _complement(room: Floats, first: Any, second: Any, N: Floats) -> None:
+    """Write orthonormal columns N (n, count) at right angles to rows in room: Gram-Schmidt, twice, of axes.
+
+    first, second: of each row 1 / |row|^2, or 0 if it does not count.
+    """
+    n = N.shape[0]
+    for c in range(N.shape[1]):
+        axis, least = 0, np.inf
+        for k in range(n):
+            x, y = load(room, 2 * k), load(room, 2 * k + 1)
+            covered = total(first * (x * x) + second * (y * y))
+            for i in range(c):
+                covered += N[k, i] * N[k, i]
+            if covered < least:
+                axis, least = k, covered
+        for k in range(n):
+            N[k, c] = 1.0 if k == axis else 0.0
+        for _ in range(2):
+            x, y = spread(0.0), spread(0.0)
+            for k in range(n):
+                x, y = x + N[k, c] * load(room, 2 * k), y + N[k, c] * load(room, 2 * k + 1)
+            x, y = first * x, second * y
+            for k in range(n):
+                N[k, c] -= total(x * load(room, 2 * k) + y * load(room, 2 * k + 1))
+            for i in range(c):
+                along = 0.0
+                for k in range(n):
+                    along += N[k, i] * N[k, c]
+                for k in range(n):
+                    N[k, c] -= along * N[k, i]
+        square = 0.0
+        for k in range(n):
+            square += N[k, c] * N[k, c]
+        for k in range(n):
+            N[k, c] /= math.sqrt(square)
+
+
 @njit(_TABLE(PLAN, _LIST, float64, _TABLES), cache=True, error_model="numpy")
 def _nullspace_at(plan: Any, q: Any, tolerance: float, likes: Any) -> Any:
     J, room = scratch(ROOM), scratch(ROOM)
@@ -148,22 +187,17 @@ def _nullspace_at(plan: Any, q: Any, tolerance: float, likes: Any) -> Any:
         return nothing(entry(likes, 0))
     A = _part(array_of(plan), J)
     m, n = A.shape
-    if n * n > ROOM:
-        return nothing(entry(likes, 0))
     s = J[ROOM - min(m, n) :]
     rank = decompose(A, room, s, m > n)
     kept = _count(s, tolerance)
     result = made_like(entry(likes, n - kept))
     if exists(result) and kept < n:
-        found, rows = array_of(result), scratch(ROOM)[: n * n].reshape(n, n)
-        if m <= n:
-            unit_rows(room, n, 0, rank, rows)
-            complete(rows, rank)
+        found = array_of(result)
+        if m > n:
+            rows_of_turns(room, m, n, kept, found.T)
         else:
-            rows_of_turns(room, m, n, kept, rows[kept:])
-        for i in range(kept, n):
-            for j in range(n):
-                found[j, i - kept] = rows[i, j]
+            first, second = weights(room, n, min(kept, rank))
+            _complement(room, first, second, found)
     return result
 
 

@@ -22,7 +22,7 @@ from holonom.trace.simd import any_of, chosen, largest, load, spread, store
 __all__ = ["COLUMN", "MOST", "SPARE", "TINY", "laid_out", "orthogonalise", "ranked", "slot"]
 
 Floats = NDArray[np.float64]
-MOST, COLUMN, SPARE = 6, 8, 4
+MOST, COLUMN, SPARE = 6, 8, 5
 """Rows at most; numbers that a column takes: the pairs' first rows, then their second ones; columns of results."""
 ROUNDING = 1e-15
 """Cosine between two rows up to which they count as orthogonal."""
@@ -41,11 +41,18 @@ SMALL, LARGE = 1e-5, 1e5
 """Between these the largest entry is as good as 1."""
 
 
+_SIX, _FOUR = (0, 4, 2, 5, 1, 6), (0, 1, 4, 5)
+
+
 @njit(cache=True, error_model="numpy")
 def slot(row: int, rows: int) -> int:
-    """Where a row stands in a column: first ones of the pairs in lanes 0, 1, 2 of one pack, second ones in the next."""
-    pairs = (rows + 1) // 2
-    return row if row < pairs else 4 + row - pairs
+    """Where a row stands in a column: first ones of the pairs in lanes 0, 1, 2 of one pack, second ones in the next.
+
+    Of six, as rows of a Jacobian get orthogonal a round sooner than in their own order.
+    """
+    if rows > 4:
+        return _SIX[row]
+    return _FOUR[row] if rows > 2 else 4 * row
 
 
 @njit(cache=True, error_model="numpy")

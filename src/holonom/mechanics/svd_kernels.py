@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from holonom.mechanics.jacobi_kernels import COLUMN, SPARE, TINY, laid_out, orthogonalise, ranked, slot
 from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.results import Results, entry, exists, made_like, nothing
+from holonom.trace.simd import load
 
 __all__ = [
     "ROOM",
@@ -28,6 +29,7 @@ __all__ = [
     "unit_rows",
     "values_of_one",
     "values_of_rows",
+    "weights",
 ]
 
 Floats = NDArray[np.float64]
@@ -91,6 +93,18 @@ def unit_rows(room: Floats, columns: int, more: int, count: int, Y: Floats) -> N
         scale = room[end + at] / math.sqrt(room[end + COLUMN + at])
         for j in range(columns):
             Y[i, j] = scale * room[COLUMN * j + at]
+
+
+@njit(cache=True, error_model="numpy")
+def weights(room: Floats, columns: int, count: int) -> Any:
+    """Of each row in room 1 / |row|^2, and 0 of all but the first `count` in order; R was not asked for."""
+    end = COLUMN * columns
+    for at in range(COLUMN):
+        room[end + 4 * COLUMN + at] = 0.0
+    for i in range(count):
+        at = int(room[end + 3 * COLUMN + i])
+        room[end + 4 * COLUMN + at] = room[end + at] * room[end + at] / room[end + COLUMN + at]
+    return load(room, 2 * columns + 8), load(room, 2 * columns + 9)
 
 
 @njit(cache=True, error_model="numpy")

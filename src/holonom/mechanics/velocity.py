@@ -62,7 +62,10 @@ def joint_rates(
     -----
     Nakamura & Hanafusa (1986); Siciliano et al., Robotics, 3.5.2.
     """
-    return _rates(arm, q, twist, frame, AUTO if damping == "auto" else _damping(damping))
+    wanted = AUTO if damping == "auto" else _damping(damping)
+    plan, like = arm.prepared[_prepared, frame]
+    found: Array | None = rates_of_one(plan, q, twist, wanted, like)
+    return _rates(arm.jacobian(q, frame), twist, wanted) if found is None else found
 
 
 def _damping(damping: str | float) -> float:
@@ -73,17 +76,13 @@ def _damping(damping: str | float) -> float:
     return float(damping)
 
 
-def _rates_prepared(arm: Arm, frame: str) -> tuple[NDArray[np.int64], Array]:
+def _prepared(arm: Arm, frame: str) -> tuple[NDArray[np.int64], Array]:
     return plan_of(arm, frame=frame), np.empty(arm.n)
 
 
-def _rates(arm: Arm, q: ArrayLike, twist: ArrayLike, frame: str, damping: float) -> Array:
+def _rates(J: Array, twist: ArrayLike, damping: float) -> Array:
     """Rates (..., n) for twists (..., 6), with lambda or `AUTO`."""
-    plan, like = arm.prepared[_rates_prepared, frame]
-    found: Array | None = rates_of_one(plan, q, twist, damping, like)
-    if found is not None:
-        return found
-    J, wanted = arm.jacobian(q, frame), real_array("twist", twist)
+    wanted = real_array("twist", twist)
     if wanted.shape[-1:] != (6,) or not np.isfinite(wanted).all():
         raise ShapeError(f"twist must be finite and of shape (..., 6), [v; w]; shape {wanted.shape} came")
     lead, n = np.broadcast_shapes(J.shape[:-2], wanted.shape[:-1]), J.shape[-1]
@@ -125,7 +124,7 @@ def follow_path(
     k = 0.5 / dt if gain is None else float(gain)
     if not 0.0 <= k * dt < 2.0:
         raise InputError(f"gain is {gain} 1/s with dt = {dt} s; 0 <= gain < {2.0 / dt:g} keeps the error decaying")
-    return _follow(arm, _start(arm, q0, poses.shape[:-3]), poses, dt, k, _damping(damping))
+    return _follow(arm, _start(arm, q0, poses.shape[:-3]), poses, dt, k, damping)
 
 
 def _start(arm: Arm, q0: ArrayLike, lead: tuple[int, ...]) -> Array:
@@ -136,7 +135,7 @@ def _start(arm: Arm, q0: ArrayLike, lead: tuple[int, ...]) -> Array:
         raise ShapeError(f"q0 must broadcast to {(*lead, arm.n)}; shape {given.shape} came") from None
 
 
-def _follow(arm: Arm, start: Array, poses: Array, dt: float, gain: float, damping: float) -> PathResult:
+def _follow(arm: Arm, start: Array, poses: Array, dt: float, gain: float, damping: str | float) -> PathResult:
     count = poses.shape[-3]
     q = np.empty((*poses.shape[:-2], arm.n))
     qd = np.zeros_like(q)
@@ -147,7 +146,7 @@ def _follow(arm: Arm, start: Array, poses: Array, dt: float, gain: float, dampin
         residual[..., i] = np.linalg.norm(error, axis=-1)
         if i + 1 < count:
             ahead = _twist(poses[..., i, :, :], poses[..., i + 1, :, :]) / dt
-            qd[..., i, :] = _rates(arm, q[..., i, :], ahead + gain * error, "world", damping)
+            qd[..., i, :] = joint_rates(arm, q[..., i, :], ahead + gain * error, damping=damping)
             q[..., i + 1, :] = q[..., i, :] + dt * qd[..., i, :]
     bounds = arm.limits
     inside = (q >= bounds.lower) & (q <= bounds.upper) & (np.abs(qd) <= bounds.speed)

@@ -86,8 +86,10 @@ def _rates_of_one(plan: Any, q: Any, twist: Any, damping: float, like: Any) -> A
     if not (fits(plan) and fits(q) and fits(twist)):
         return nothing(like)
     J, room, wanted = scratch(ROOM), scratch(ROOM), array_of(twist)
-    finite = math.isfinite(wanted.sum())
-    if not finite or not given_jacobian(array_of(plan), array_of(q), J):
+    size = 0.0
+    for x in wanted:
+        size += x
+    if not math.isfinite(size) or not given_jacobian(array_of(plan), array_of(q), J):
         return nothing(like)
     result = made_like(like)
     if exists(result):
