@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +22,7 @@ from holonom.mechanics.decomposition_kernels import (
     nullspace_at,
     plan_of,
     singular_values_at,
+    singularities_at,
 )
 from holonom.mechanics.equations.vectors import Vector, add, cross, matvec
 from holonom.mechanics.results import Ellipsoid, Singularity
@@ -60,7 +61,7 @@ def singular_values(arm: Arm, q: ArrayLike, part: Part = "all") -> Array:
     return svd.singular_values(_part(arm, q, part)) if found is None else found
 
 
-def _values_prepared(arm: Arm, part: Part) -> tuple[Array, Array]:
+def _values_prepared(arm: Arm, part: Part) -> tuple[NDArray[np.int64], Array]:
     plan = plan_of(arm, part)
     return plan, np.empty(min(arm.n, plan[3]))
 
@@ -81,7 +82,7 @@ def lost_directions(arm: Arm, q: ArrayLike, *, tolerance: float = LOST) -> Array
     return found
 
 
-def _directions_prepared(arm: Arm) -> tuple[Array, tuple[Array, ...]]:
+def _directions_prepared(arm: Arm) -> tuple[NDArray[np.int64], tuple[Array, ...]]:
     return plan_of(arm), tuple(np.empty((k, 6)) for k in range(7))
 
 
@@ -95,7 +96,7 @@ def nullspace(arm: Arm, q: ArrayLike, *, tolerance: float = LOST) -> Array:
     return found
 
 
-def _nullspace_prepared(arm: Arm) -> tuple[Array, tuple[Array, ...]]:
+def _nullspace_prepared(arm: Arm) -> tuple[NDArray[np.int64], tuple[Array, ...]]:
     return plan_of(arm), tuple(np.empty((arm.n, k)) for k in range(arm.n + 1))
 
 
@@ -119,7 +120,7 @@ def force_ellipsoid(arm: Arm, q: ArrayLike, part: Literal["translation", "rotati
     return _ellipsoid(arm, q, part, True)
 
 
-def _ellipsoid_prepared(arm: Arm, part: Part) -> tuple[Array, Ellipsoid]:
+def _ellipsoid_prepared(arm: Arm, part: Part) -> tuple[NDArray[np.int64], Ellipsoid]:
     return plan_of(arm, part), Ellipsoid(np.empty((3, 3)), np.empty(3))
 
 
@@ -147,13 +148,24 @@ def singularities(arm: Arm, q: ArrayLike, *, tolerance: float = 0.02) -> tuple[S
     plane of axes 1 and 2, m), elbow (sine of the angle between upper arm and forearm), wrist (sine of the angle between
     axes 4 and 6). Any other arm has "smallest singular value".
     """
+    plan, measures, likes = arm.prepared[_singularities_prepared]
+    one: tuple[Singularity, ...] | None = singularities_at(plan, q, tolerance, measures, likes)
+    if one is not None:
+        return one
     U, s, _ = svd.svd(_one(arm, q))
-    measures = {"smallest singular value": float(s[-1])}
-    if arm.made("named singularities", lambda: measures_of(arm.model) is not None):
-        measures = dict(zip(NAMED, arm.calls["singularity_measures"](q).tolist(), strict=True))
-    direction = U[:, len(s) - 1]
-    found = [Singularity(name, value, abs(value) < tolerance, direction) for name, value in measures.items()]
+    values = arm.calls["singularity_measures"](q).tolist() if measures else [float(s[-1])]
+    names = [like.name for like in likes[1]]
+    direction = U[:, len(s) - 1].copy()
+    found = [Singularity(name, value, abs(value) < tolerance, direction) for name, value in zip(names, values, strict=True)]
     return tuple(sorted(found, key=lambda s: abs(s.value)))
+
+
+def _singularities_prepared(arm: Arm) -> tuple[NDArray[np.int64], int, Any]:
+    named = measures_of(arm.model) is not None
+    address = arm.kernel("singularity_measures").address if named else 0
+    names, direction = NAMED if named else ("smallest singular value",), np.empty(6)
+    each = tuple(Singularity(name, np.nan, False, direction) for name in names)
+    return plan_of(arm), address, (each, each, direction)
 
 
 def joint_torques(arm: Arm, q: ArrayLike, wrench: ArrayLike, frame: str = "world") -> Array:

@@ -17,7 +17,7 @@ from holonom.mechanics.singularity_kernels import rows_of
 from holonom.mechanics.svd_kernels import ROOM, complete, decompose, room_for, rows_of_turns, unit_rows, weights
 from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.pointer import call_kernel
-from holonom.trace.results import Results, entry, exists, made_like, nothing
+from holonom.trace.results import Results, entry, exists, made_like, nothing, put, release
 from holonom.trace.simd import load, spread, total
 
 if TYPE_CHECKING:
@@ -34,6 +34,7 @@ __all__ = [
     "plan_of",
     "room_for",
     "singular_values_at",
+    "singularities_at",
 ]
 
 Floats = NDArray[np.float64]
@@ -91,7 +92,7 @@ def _singular_values_at(plan: Any, q: Any, like: Any) -> Any:
 
 
 @njit(cache=True, error_model="numpy")
-def _left_after(A: Floats, room: Floats, s: Floats, rank: int, first: int, rows: Floats) -> None:
+def _left_after(A: Floats, room: Floats, rank: int, first: int, rows: Floats) -> None:
     """Write left vectors of a decomposed A (m, n), u^T in a row of `rows` (m, m) each, those before the first or not."""
     m, n = A.shape
     if m <= n:
@@ -113,7 +114,7 @@ def _ellipsoid_at(plan: Any, q: Any, of_forces: bool, like: Any) -> Any:
         s, rows = J[ROOM - m :], J[ROOM - m - m * m : ROOM - m].reshape(m, m)
         s[:] = 0.0
         rank = decompose(A, room, s[: min(m, n)], m <= n)
-        _left_after(A, room, s, rank, 0, rows)
+        _left_after(A, room, rank, 0, rows)
         for i in range(m):
             at = m - 1 - i if of_forces else i
             radii[at] = s[i] if not of_forces else (1.0 / s[i] if s[i] > LOST else np.inf)
@@ -135,7 +136,7 @@ def _lost_directions_at(plan: Any, q: Any, tolerance: float, likes: Any) -> Any:
     result = made_like(entry(likes, m - kept))
     if exists(result) and kept < m:
         found = array_of(result)
-        _left_after(A, room, s, rank, kept, rows)
+        _left_after(A, room, rank, kept, rows)
         for i in range(kept, m):
             for j in range(m):
                 found[i - kept, j] = rows[i, j]
@@ -201,6 +202,46 @@ def _nullspace_at(plan: Any, q: Any, tolerance: float, likes: Any) -> Any:
     return result
 
 
+_SINGULARITIES = Results([])
+_LIKES = Results([_SINGULARITIES, Results([_SINGULARITIES]), _LIST])
+
+
+@njit(_SINGULARITIES(PLAN, _LIST, float64, int64, _LIKES), cache=True, error_model="numpy")
+def _singularities_at(plan: Any, q: Any, tolerance: float, measures: int, likes: Any) -> Any:
+    J, room, values = scratch(ROOM), scratch(ROOM), scratch(4)
+    if not (fits(plan) and fits(q) and given_jacobian(array_of(plan), array_of(q), J)):
+        return nothing(entry(likes, 0))
+    A = _part(array_of(plan), J)
+    m, n = A.shape
+    k = min(m, n)
+    s, rows = J[ROOM - k :], J[ROOM - m - m * m : ROOM - m].reshape(m, m)
+    rank = decompose(A, room, s, m <= n)
+    _left_after(A, room, rank, k - 1, rows)
+    count = 1
+    values[0] = s[k - 1]
+    if measures != 0:
+        count = 3
+        call_kernel(measures, array_of(q), values)
+    result, direction = made_like(entry(likes, 0)), made_like(entry(likes, 2))
+    whole = exists(result) and exists(direction)
+    if whole:
+        array_of(direction)[:] = rows[k - 1]
+    for place in range(count):
+        nearest = 0
+        for i in range(1, count):
+            if abs(values[i]) < abs(values[nearest]):
+                nearest = i
+        if whole:
+            value = values[nearest]
+            one = made_like(entry(entry(likes, 1), nearest))
+            whole = exists(one) and put(one, 1, value) and put(one, 2, abs(value) < tolerance)
+            whole = whole and put(one, 3, direction) and put(result, place, one)
+            release(one)
+        values[nearest] = np.inf
+    release(direction)
+    return result if whole else release(result)
+
+
 singular_values_at: Any = direct(_singular_values_at)
 """`singular_values_at(plan, q, like)`: an array like the one given."""
 ellipsoid_at: Any = direct(_ellipsoid_at)
@@ -209,3 +250,9 @@ lost_directions_at: Any = direct(_lost_directions_at)
 """`lost_directions_at(plan, q, tolerance, likes)`: (k, 6), an array like `likes[k]`."""
 nullspace_at: Any = direct(_nullspace_at)
 """`nullspace_at(plan, q, tolerance, likes)`: (n, k), an array like `likes[k]`."""
+singularities_at: Any = direct(_singularities_at)
+"""`singularities_at(plan, q, tolerance, measures, likes)`: a tuple of singularities, nearest first.
+
+`measures` is the address of a kernel of three, or 0: then the smallest singular value is the only one. `likes`: a tuple
+of as many, one singularity for each name, a direction.
+"""

@@ -62,7 +62,7 @@ def joint_rates(
     -----
     Nakamura & Hanafusa (1986); Siciliano et al., Robotics, 3.5.2.
     """
-    wanted = AUTO if damping == "auto" else _damping(damping)
+    wanted = _damping(damping)
     plan, like = arm.prepared[_prepared, frame]
     found: Array | None = rates_of_one(plan, q, twist, wanted, like)
     return _rates(arm.jacobian(q, frame), twist, wanted) if found is None else found
@@ -81,7 +81,7 @@ def _prepared(arm: Arm, frame: str) -> tuple[NDArray[np.int64], Array]:
 
 
 def _rates(J: Array, twist: ArrayLike, damping: float) -> Array:
-    """Rates (..., n) for twists (..., 6), with lambda or `AUTO`."""
+    """Rates (..., n) for Jacobians (..., 6, n) and twists (..., 6), with lambda or `AUTO`."""
     wanted = real_array("twist", twist)
     if wanted.shape[-1:] != (6,) or not np.isfinite(wanted).all():
         raise ShapeError(f"twist must be finite and of shape (..., 6), [v; w]; shape {wanted.shape} came")
@@ -124,6 +124,7 @@ def follow_path(
     k = 0.5 / dt if gain is None else float(gain)
     if not 0.0 <= k * dt < 2.0:
         raise InputError(f"gain is {gain} 1/s with dt = {dt} s; 0 <= gain < {2.0 / dt:g} keeps the error decaying")
+    _damping(damping)
     return _follow(arm, _start(arm, q0, poses.shape[:-3]), poses, dt, k, damping)
 
 
