@@ -156,7 +156,9 @@ def singularities(arm: Arm, q: ArrayLike, *, tolerance: float = 0.02) -> tuple[S
     values = arm.calls["singularity_measures"](q).tolist() if measures else [float(s[-1])]
     names = [like.name for like in likes[1]]
     direction = U[:, len(s) - 1].copy()
-    found = [Singularity(name, value, abs(value) < tolerance, direction) for name, value in zip(names, values, strict=True)]
+    found = [
+        Singularity(name, value, abs(value) < tolerance, direction) for name, value in zip(names, values, strict=True)
+    ]
     return tuple(sorted(found, key=lambda s: abs(s.value)))
 
 

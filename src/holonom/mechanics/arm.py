@@ -53,7 +53,7 @@ class _Inverse:
 
 
 class Prepared(dict[Any, Any]):
-    """What verbs prepare for an arm once: `prepared[build, option]` is what `build(arm, option)` gave the first time."""
+    """What verbs prepare for an arm once: `prepared[build, option]` is what `build(arm, option)` gave."""
 
     def __init__(self, arm: Arm) -> None:
         super().__init__()

@@ -93,7 +93,7 @@ def _singular_values_at(plan: Any, q: Any, like: Any) -> Any:
 
 @njit(cache=True, error_model="numpy")
 def _left_after(A: Floats, room: Floats, rank: int, first: int, rows: Floats) -> None:
-    """Write left vectors of a decomposed A (m, n), u^T in a row of `rows` (m, m) each, those before the first or not."""
+    """Write left vectors of a decomposed A (m, n), one in each of `rows` (m, m), from a first one on or all."""
     m, n = A.shape
     if m <= n:
         rows_of_turns(room, n, m, first, rows[first:])

@@ -1,10 +1,13 @@
 """Rows of a small matrix turned until they are orthogonal: one-sided Jacobi rotations, three pairs of rows at a time.
 
-A rotation of two rows that makes them orthogonal (Hestenes 1958) is a long chain: scalar products, a root, a quotient.
-Six rows are three pairs that do not meet, so that three rotations run side by side as lanes of a pack (`trace.simd`), and
-after five such rounds each row has met each other one (the round robin of Brent & Luk 1985). Rows are kept as d^1/2 x,
-so that a rotation is `x - t y`, `y + t x` without the cosine, which only d takes in (the fast rotation of Gentleman
-1973; Anda & Park 1994).
+A rotation that makes two rows orthogonal (Hestenes 1958) is a long chain: scalar products, a root, quotients. Six rows
+are three pairs that do not meet, so three rotations run side by side as lanes of a pack (`trace.simd`); after five such
+rounds each row has met each other one (a round robin, as Brent & Luk 1985). A row is kept as x with a factor d^1/2
+apart, so that a rotation is `x - t y`, `y + u x` without its cosine, which d alone takes in (Gentleman's fast
+rotations; Anda & Park 1994).
+
+A matrix lies in its room column by column, `COLUMN` numbers each: a pack of the pairs' first rows, then one of their
+second ones. After the columns to be made orthogonal come any that are to be turned alike, then those of results.
 """
 
 from __future__ import annotations
@@ -19,18 +22,35 @@ from numpy.typing import NDArray
 from holonom.trace.compiled import select
 from holonom.trace.simd import any_of, chosen, largest, load, spread, store
 
-__all__ = ["COLUMN", "MOST", "SPARE", "TINY", "laid_out", "orthogonalise", "ranked", "slot"]
+__all__ = [
+    "COLUMN",
+    "FACTOR",
+    "MOST",
+    "ORDER",
+    "RANK",
+    "RESULTS",
+    "SQUARE",
+    "TINY",
+    "WEIGHT",
+    "laid_out",
+    "orthogonalise",
+    "ranked",
+    "slot",
+]
 
 Floats = NDArray[np.float64]
-MOST, COLUMN, SPARE = 6, 8, 5
-"""Rows at most; numbers that a column takes: the pairs' first rows, then their second ones; columns of results."""
+MOST, COLUMN = 6, 8
+"""Rows at most; numbers that a column takes."""
+FACTOR, SQUARE, RANK, ORDER, WEIGHT, RESULTS = range(6)
+"""Columns of results, after the others: factors of the rows, squares of their lengths (-1 where there is no row), how
+many are longer, and what `svd_kernels` notes; how many such columns there are."""
 ROUNDING = 1e-15
 """Cosine between two rows up to which they count as orthogonal."""
 QUIET = 1e-8
-"""Root of the rounding.
+"""Root of the rounding: once all cosines and angles of a sweep are smaller, rows are orthogonal.
 
-Where cosines and angles of all rotations of a sweep are smaller, it is the last: what a rotation undoes of one before is
-no more than the product of two of them.
+For what a rotation undoes of one before is no more than the product of two of them. Angles count by themselves: those
+of two rows of nearly the same length may be large, however small their cosine is.
 """
 SWEEPS = 30
 """Sweeps over all pairs after which rows stay as they are; five do."""
@@ -59,7 +79,8 @@ def slot(row: int, rows: int) -> int:
 def laid_out(A: Floats, room: Floats, more: int) -> float:
     """Write A (m, n), or its transpose if m > n, column by column to room, and clear as many more columns after it.
 
-    After these comes a column of ones, 0 where there is no row. Returns the unit that its numbers are in: 1, unless they are very large or very small.
+    The factors are set to 1, or 0 where there is no row. Returns the unit of the numbers in room: 1, unless those of A
+    are very large or very small.
     """
     m, n = A.shape
     rows, columns = min(m, n), max(m, n)
@@ -105,8 +126,7 @@ def _next_second(x: Any, y: Any, pairs: int) -> Any:
 def orthogonalise(room: Floats, rows: int, columns: int, more: int) -> None:
     """Rotate pairs of rows until all are orthogonal over the first columns, and the columns after these alike.
 
-    Two columns are written after those: factors by which the rows are to be multiplied, and the squares of the lengths
-    that they then have, -1 where there is no row. Rows change places.
+    Rows change places; their factors and the squares of their lengths, factors included, are written.
     """
     pairs, end = (rows + 1) // 2, 2 * (columns + more)
     x, y = load(room, 0), load(room, 1)
@@ -151,13 +171,14 @@ def orthogonalise(room: Floats, rows: int, columns: int, more: int) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def ranked(room: Floats, at: int) -> None:
-    """Write after column `at` how many of its numbers are larger than each."""
-    x, y = load(room, 2 * at), load(room, 2 * at + 1)
-    one, first, second = spread(1.0), spread(0.0), spread(0.0)
+def ranked(room: Floats, results: int) -> None:
+    """Write of each row how many are longer; results: the first column of results."""
+    at = 2 * (results + SQUARE)
+    x, y = load(room, at), load(room, at + 1)
+    zero, one, first, second = spread(0.0), spread(1.0), spread(0.0), spread(0.0)
     for k in range(COLUMN):
-        number = spread(room[COLUMN * at + k])
-        first += select(number > x, one, 0.0 * one)
-        second += select(number > y, one, 0.0 * one)
-    store(room, 2 * at + 2, first)
-    store(room, 2 * at + 3, second)
+        number = spread(room[COLUMN * (results + SQUARE) + k])
+        first += select(number > x, one, zero)
+        second += select(number > y, one, zero)
+    store(room, 2 * (results + RANK), first)
+    store(room, 2 * (results + RANK) + 1, second)

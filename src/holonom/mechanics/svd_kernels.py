@@ -13,7 +13,21 @@ import numpy as np
 from numba import float64, njit
 from numpy.typing import NDArray
 
-from holonom.mechanics.jacobi_kernels import COLUMN, SPARE, TINY, laid_out, orthogonalise, ranked, slot
+from holonom.mechanics.jacobi_kernels import (
+    COLUMN,
+    FACTOR,
+    MOST,
+    ORDER,
+    RANK,
+    RESULTS,
+    SQUARE,
+    TINY,
+    WEIGHT,
+    laid_out,
+    orthogonalise,
+    ranked,
+    slot,
+)
 from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.results import Results, entry, exists, made_like, nothing
 from holonom.trace.simd import load
@@ -40,7 +54,7 @@ ROOM = 512
 @njit(cache=True, error_model="numpy")
 def room_for(m: int, n: int) -> int:
     """How many numbers the decomposition of a matrix (m, n) needs room for."""
-    return COLUMN * (m + n + SPARE)
+    return COLUMN * (m + n + RESULTS)
 
 
 @njit(cache=True, error_model="numpy")
@@ -56,19 +70,19 @@ def decompose(A: Floats, room: Floats, s: Floats, turns: bool) -> int:
     for i in range(more):
         room[COLUMN * (columns + i) + slot(i, k)] = 1.0
     orthogonalise(room, k, columns, more)
-    end = COLUMN * (columns + more)
-    ranked(room, columns + more + 1)
+    results = columns + more
+    ranked(room, results)
     for i in range(k):
         s[i] = -1.0
     rank = 0
     for at in range(COLUMN):
-        i = int(room[end + 2 * COLUMN + at])
+        i = int(room[COLUMN * (results + RANK) + at])
         while i < k and not s[i] < 0.0:  # equal ones: the next place
             i += 1
         if i < k:
-            length = math.sqrt(room[end + COLUMN + at])
+            length = math.sqrt(room[COLUMN * (results + SQUARE) + at])
             s[i] = length * unit
-            room[end + 3 * COLUMN + i] = at
+            room[COLUMN * (results + ORDER) + i] = at
             rank += length > TINY
     return rank
 
@@ -76,10 +90,10 @@ def decompose(A: Floats, room: Floats, s: Floats, turns: bool) -> int:
 @njit(cache=True, error_model="numpy")
 def rows_of_turns(room: Floats, columns: int, k: int, first: int, R: Floats) -> None:
     """Write rows of R from a first one on."""
-    end = COLUMN * (columns + k)
+    results = columns + k
     for i in range(first, k):
-        at = int(room[end + 3 * COLUMN + i])
-        factor = room[end + at]
+        at = int(room[COLUMN * (results + ORDER) + i])
+        factor = room[COLUMN * (results + FACTOR) + at]
         for j in range(k):
             R[i - first, j] = factor * room[COLUMN * (columns + j) + at]
 
@@ -87,10 +101,10 @@ def rows_of_turns(room: Floats, columns: int, k: int, first: int, R: Floats) -> 
 @njit(cache=True, error_model="numpy")
 def unit_rows(room: Floats, columns: int, more: int, count: int, Y: Floats) -> None:
     """Write the first rows of Y; more: k if R was asked for, else 0."""
-    end = COLUMN * (columns + more)
+    results = columns + more
     for i in range(count):
-        at = int(room[end + 3 * COLUMN + i])
-        scale = room[end + at] / math.sqrt(room[end + COLUMN + at])
+        at = int(room[COLUMN * (results + ORDER) + i])
+        scale = room[COLUMN * (results + FACTOR) + at] / math.sqrt(room[COLUMN * (results + SQUARE) + at])
         for j in range(columns):
             Y[i, j] = scale * room[COLUMN * j + at]
 
@@ -98,13 +112,14 @@ def unit_rows(room: Floats, columns: int, more: int, count: int, Y: Floats) -> N
 @njit(cache=True, error_model="numpy")
 def weights(room: Floats, columns: int, count: int) -> Any:
     """Of each row in room 1 / |row|^2, and 0 of all but the first `count` in order; R was not asked for."""
-    end = COLUMN * columns
     for at in range(COLUMN):
-        room[end + 4 * COLUMN + at] = 0.0
+        room[COLUMN * (columns + WEIGHT) + at] = 0.0
     for i in range(count):
-        at = int(room[end + 3 * COLUMN + i])
-        room[end + 4 * COLUMN + at] = room[end + at] * room[end + at] / room[end + COLUMN + at]
-    return load(room, 2 * columns + 8), load(room, 2 * columns + 9)
+        at = int(room[COLUMN * (columns + ORDER) + i])
+        factor = room[COLUMN * (columns + FACTOR) + at]
+        room[COLUMN * (columns + WEIGHT) + at] = factor * factor / room[COLUMN * (columns + SQUARE) + at]
+    at = 2 * (columns + WEIGHT)
+    return load(room, at), load(room, at + 1)
 
 
 @njit(cache=True, error_model="numpy")
@@ -172,9 +187,14 @@ _LIST, _TABLE = ArrayObject(float64, (None,)), ArrayObject(float64, (None, None)
 _THREE = Results([_TABLE, _LIST, _TABLE])
 
 
+@njit(cache=True, error_model="numpy")
+def _small(A: Floats) -> bool:
+    return min(A.shape) <= MOST and room_for(*A.shape) <= ROOM
+
+
 @njit(_THREE(_TABLE, _THREE), cache=True, error_model="numpy")
 def _svd_of_one(A: Any, like: Any) -> Any:
-    if not fits(A) or room_for(*array_of(A).shape) > ROOM:
+    if not fits(A) or not _small(array_of(A)):
         return nothing(like)
     result = made_like(like)
     if exists(result):
@@ -185,7 +205,7 @@ def _svd_of_one(A: Any, like: Any) -> Any:
 
 @njit(_LIST(_TABLE, _LIST), cache=True, error_model="numpy")
 def _values_of_one(A: Any, like: Any) -> Any:
-    if not fits(A) or room_for(*array_of(A).shape) > ROOM:
+    if not fits(A) or not _small(array_of(A)):
         return nothing(like)
     result = made_like(like)
     if exists(result):

@@ -10,7 +10,7 @@ from numba import float64, njit
 from numpy.typing import NDArray
 
 from holonom.mechanics.decomposition_kernels import PLAN, ROOM, given_jacobian, room_for
-from holonom.mechanics.jacobi_kernels import COLUMN, laid_out, orthogonalise, slot
+from holonom.mechanics.jacobi_kernels import COLUMN, FACTOR, SQUARE, laid_out, orthogonalise, slot
 from holonom.trace.compiled import select
 from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.results import exists, made_like, nothing
@@ -44,14 +44,14 @@ def _rates(J: Floats, twist: Floats, damping: float, room: Floats, qd: Floats) -
         for i in range(n):
             room[COLUMN * (m + i) + slot(i, n)] = 1.0
     orthogonalise(room, k, columns, more)
-    end = 2 * (columns + more)
-    first, second = load(room, end + 2), load(room, end + 3)  # s^2
+    squares, factors = columns + more + SQUARE, columns + more + FACTOR
+    first, second = load(room, 2 * squares), load(room, 2 * squares + 1)  # s^2
     most = largest(max(first, second))
     square = damping * damping / (unit * unit)
     if damping == AUTO:
         least = most
         for at in range(COLUMN):
-            length = room[4 * (end + 2) + at]
+            length = room[COLUMN * squares + at]
             if 0.0 <= length < least:
                 least = length
         square = max(NEAR * NEAR * most - least, 0.0)
@@ -62,7 +62,7 @@ def _rates(J: Floats, twist: Floats, damping: float, room: Floats, qd: Floats) -
         for i in range(m):
             x, y = x + twist[i] * load(room, 2 * i), y + twist[i] * load(room, 2 * i + 1)
         start = m
-    p, q = load(room, end), load(room, end + 1)
+    p, q = load(room, 2 * factors), load(room, 2 * factors + 1)
     limit, zero = LOST * LOST * most, spread(0.0)
     x = select(first > limit, p * p * x / ((first + square) * unit), zero)
     y = select(second > limit, q * q * y / ((second + square) * unit), zero)
