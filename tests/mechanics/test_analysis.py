@@ -143,6 +143,7 @@ ONE = {
     "singular_values": singular_values,
     "velocity_ellipsoid": velocity_ellipsoid,
     "velocity_ellipsoid of the rotation": lambda arm, q: velocity_ellipsoid(arm, q, "rotation"),
+    "velocity_ellipsoid of all": lambda arm, q: velocity_ellipsoid(arm, q, "all"),
     "force_ellipsoid": force_ellipsoid,
     "lost_directions": lost_directions,
     "nullspace": nullspace,

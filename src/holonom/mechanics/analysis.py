@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,7 @@ from holonom.mechanics import svd
 from holonom.mechanics.arm import Arm
 from holonom.mechanics.decomposition_kernels import (
     LOST,
+    Prepared,
     ellipsoid_at,
     lost_directions_at,
     nullspace_at,
@@ -56,14 +57,14 @@ def _part(arm: Arm, q: ArrayLike, part: Part) -> Array:
 
 def singular_values(arm: Arm, q: ArrayLike, part: Part = "all") -> Array:
     """Singular values of the Jacobian (..., min(m, n)), largest first; metres and radians mixed for "all"."""
-    plan, like = arm.prepared[_values_prepared, part]
-    found: Array | None = singular_values_at(plan, q, like)
+    one, plan, like = arm.prepared[_values_prepared, part]
+    found: Array | None = one(plan, q, like)
     return svd.singular_values(_part(arm, q, part)) if found is None else found
 
 
-def _values_prepared(arm: Arm, part: Part) -> tuple[NDArray[np.int64], Array]:
+def _values_prepared(arm: Arm, part: Part) -> Prepared:
     plan = plan_of(arm, part)
-    return plan, np.empty(min(arm.n, plan[3]))
+    return singular_values_at(), plan, np.empty(min(arm.n, plan[3]))
 
 
 def manipulability(arm: Arm, q: ArrayLike, part: Part = "all", *, threads: int = 1) -> Array:
@@ -74,30 +75,30 @@ def manipulability(arm: Arm, q: ArrayLike, part: Part = "all", *, threads: int =
 
 def lost_directions(arm: Arm, q: ArrayLike, *, tolerance: float = LOST) -> Array:
     """Unit twists [v; w] in the world (k, 6) along which the tool cannot move at q (n,)."""
-    plan, likes = arm.prepared[_directions_prepared]
-    found: Array | None = lost_directions_at(plan, q, tolerance, likes)
+    one, plan, likes = arm.prepared[_directions_prepared]
+    found: Array | None = one(plan, q, tolerance, likes)
     if found is None:
         U, s, _ = svd.svd(_one(arm, q))
         return U[:, np.count_nonzero(s > tolerance) :].T.copy()
     return found
 
 
-def _directions_prepared(arm: Arm) -> tuple[NDArray[np.int64], tuple[Array, ...]]:
-    return plan_of(arm), tuple(np.empty((k, 6)) for k in range(7))
+def _directions_prepared(arm: Arm) -> Prepared:
+    return lost_directions_at(), plan_of(arm), tuple(np.empty((k, 6)) for k in range(7))
 
 
 def nullspace(arm: Arm, q: ArrayLike, *, tolerance: float = LOST) -> Array:
     """Orthonormal joint rates (n, k) that leave the tool at rest at q (n,)."""
-    plan, likes = arm.prepared[_nullspace_prepared]
-    found: Array | None = nullspace_at(plan, q, tolerance, likes)
+    one, plan, likes = arm.prepared[_nullspace_prepared]
+    found: Array | None = one(plan, q, tolerance, likes)
     if found is None:
         _, s, Vt = svd.svd(_one(arm, q))
         return Vt[np.count_nonzero(s > tolerance) :].T.copy()
     return found
 
 
-def _nullspace_prepared(arm: Arm) -> tuple[NDArray[np.int64], tuple[Array, ...]]:
-    return plan_of(arm), tuple(np.empty((arm.n, k)) for k in range(arm.n + 1))
+def _nullspace_prepared(arm: Arm) -> Prepared:
+    return nullspace_at(), plan_of(arm), tuple(np.empty((arm.n, k)) for k in range(arm.n + 1))
 
 
 def _one(arm: Arm, q: ArrayLike) -> Array:
@@ -120,13 +121,14 @@ def force_ellipsoid(arm: Arm, q: ArrayLike, part: Literal["translation", "rotati
     return _ellipsoid(arm, q, part, True)
 
 
-def _ellipsoid_prepared(arm: Arm, part: Part) -> tuple[NDArray[np.int64], Ellipsoid]:
-    return plan_of(arm, part), Ellipsoid(np.empty((3, 3)), np.empty(3))
+def _ellipsoid_prepared(arm: Arm, part: Part) -> Prepared:
+    plan = plan_of(arm, part)
+    return ellipsoid_at(), plan, Ellipsoid(np.empty((plan[3], plan[3])), np.empty(plan[3]))
 
 
 def _ellipsoid(arm: Arm, q: ArrayLike, part: Part, of_forces: bool) -> Ellipsoid:
-    plan, like = arm.prepared[_ellipsoid_prepared, part]
-    found: Ellipsoid | None = ellipsoid_at(plan, q, of_forces, like)
+    one, plan, like = arm.prepared[_ellipsoid_prepared, part]
+    found: Ellipsoid | None = one(plan, q, of_forces, like)
     if found is not None:
         return found
     axes, s, _ = svd.svd(_part(arm, q, part))
@@ -148,10 +150,10 @@ def singularities(arm: Arm, q: ArrayLike, *, tolerance: float = 0.02) -> tuple[S
     plane of axes 1 and 2, m), elbow (sine of the angle between upper arm and forearm), wrist (sine of the angle between
     axes 4 and 6). Any other arm has "smallest singular value".
     """
-    plan, measures, likes = arm.prepared[_singularities_prepared]
-    one: tuple[Singularity, ...] | None = singularities_at(plan, q, tolerance, measures, likes)
-    if one is not None:
-        return one
+    one, plan, (measures, likes) = arm.prepared[_singularities_prepared]
+    nearest: tuple[Singularity, ...] | None = one(plan, q, tolerance, measures, likes)
+    if nearest is not None:
+        return nearest
     U, s, _ = svd.svd(_one(arm, q))
     values = arm.calls["singularity_measures"](q).tolist() if measures else [float(s[-1])]
     names = [like.name for like in likes[1]]
@@ -162,12 +164,12 @@ def singularities(arm: Arm, q: ArrayLike, *, tolerance: float = 0.02) -> tuple[S
     return tuple(sorted(found, key=lambda s: abs(s.value)))
 
 
-def _singularities_prepared(arm: Arm) -> tuple[NDArray[np.int64], int, Any]:
+def _singularities_prepared(arm: Arm) -> Prepared:
     named = measures_of(arm.model) is not None
     address = arm.kernel("singularity_measures").address if named else 0
     names, direction = NAMED if named else ("smallest singular value",), np.empty(6)
     each = tuple(Singularity(name, np.nan, False, direction) for name in names)
-    return plan_of(arm), address, (each, each, direction)
+    return singularities_at(), plan_of(arm), (address, (each, each, direction))
 
 
 def joint_torques(arm: Arm, q: ArrayLike, wrench: ArrayLike, frame: str = "world") -> Array:

@@ -1,12 +1,14 @@
 """The decompositions of `mechanics.analysis` at one configuration: from q to the result in one compiled call.
 
-Each takes a plan (`plan_of`), and results to take after. It returns None if q is no such array of finite numbers; the
-general way then says what is wrong with it.
+Each is compiled when it is first asked for, by a call without arguments. It takes a plan (`plan_of`), and results to
+take after, and returns None if q is no such array of finite numbers; the general way then says what is wrong with it.
 """
 
 from __future__ import annotations
 
+import functools
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,6 +29,8 @@ __all__ = [
     "LOST",
     "PLAN",
     "ROOM",
+    "Prepared",
+    "asked_for",
     "ellipsoid_at",
     "given_jacobian",
     "lost_directions_at",
@@ -41,6 +45,18 @@ Floats = NDArray[np.float64]
 LOST = 1e-6
 """Singular value below which a direction counts as lost (m or 1 per rad)."""
 PLAN = ArrayObject(int64, (4,))
+Compiled = Callable[..., Any]
+Prepared = tuple[Compiled, NDArray[np.int64], Any]
+"""What a verb keeps for an arm: compiled code, plan, results to take after."""
+
+
+def asked_for(signature: Any) -> Callable[[Compiled], Callable[[], Compiled]]:
+    """What compiles a function of Python objects when it is first asked for."""
+
+    def decorate(function: Compiled) -> Callable[[], Compiled]:
+        return functools.cache(lambda: direct(njit(signature, cache=True, error_model="numpy")(function)))
+
+    return decorate
 
 
 def plan_of(arm: Arm, part: str = "all", frame: str = "world") -> NDArray[np.int64]:
@@ -80,8 +96,9 @@ _LIST, _TABLE = ArrayObject(float64, (None,)), ArrayObject(float64, (None, None)
 _ELLIPSOID, _TABLES = Results([_TABLE, _LIST]), Results([_TABLE])
 
 
-@njit(_LIST(PLAN, _LIST, _LIST), cache=True, error_model="numpy")
-def _singular_values_at(plan: Any, q: Any, like: Any) -> Any:
+@asked_for(_LIST(PLAN, _LIST, _LIST))
+def singular_values_at(plan: Any, q: Any, like: Any) -> Any:
+    """Singular values, in an array like the one given."""
     J, room = scratch(ROOM), scratch(ROOM)
     if not (fits(plan) and fits(q) and given_jacobian(array_of(plan), array_of(q), J)):
         return nothing(like)
@@ -102,8 +119,9 @@ def _left_after(A: Floats, room: Floats, rank: int, first: int, rows: Floats) ->
         complete(rows, rank)
 
 
-@njit(_ELLIPSOID(PLAN, _LIST, boolean, _ELLIPSOID), cache=True, error_model="numpy")
-def _ellipsoid_at(plan: Any, q: Any, of_forces: bool, like: Any) -> Any:
+@asked_for(_ELLIPSOID(PLAN, _LIST, boolean, _ELLIPSOID))
+def ellipsoid_at(plan: Any, q: Any, of_forces: bool, like: Any) -> Any:
+    """Axes and radii of the ellipsoid of velocities or forces, in a tuple like the one given."""
     J, room = scratch(ROOM), scratch(ROOM)
     if not (fits(plan) and fits(q) and given_jacobian(array_of(plan), array_of(q), J)):
         return nothing(like)
@@ -123,8 +141,9 @@ def _ellipsoid_at(plan: Any, q: Any, of_forces: bool, like: Any) -> Any:
     return result
 
 
-@njit(_TABLE(PLAN, _LIST, float64, _TABLES), cache=True, error_model="numpy")
-def _lost_directions_at(plan: Any, q: Any, tolerance: float, likes: Any) -> Any:
+@asked_for(_TABLE(PLAN, _LIST, float64, _TABLES))
+def lost_directions_at(plan: Any, q: Any, tolerance: float, likes: Any) -> Any:
+    """Left vectors (k, m) of singular values up to the tolerance, in an array like `likes[k]`."""
     J, room = scratch(ROOM), scratch(ROOM)
     if not (fits(plan) and fits(q) and given_jacobian(array_of(plan), array_of(q), J)):
         return nothing(entry(likes, 0))
@@ -181,8 +200,9 @@ def _complement(room: Floats, first: Any, second: Any, N: Floats) -> None:
             N[k, c] /= math.sqrt(square)
 
 
-@njit(_TABLE(PLAN, _LIST, float64, _TABLES), cache=True, error_model="numpy")
-def _nullspace_at(plan: Any, q: Any, tolerance: float, likes: Any) -> Any:
+@asked_for(_TABLE(PLAN, _LIST, float64, _TABLES))
+def nullspace_at(plan: Any, q: Any, tolerance: float, likes: Any) -> Any:
+    """Right vectors (n, k) of singular values up to the tolerance, in an array like `likes[k]`."""
     J, room = scratch(ROOM), scratch(ROOM)
     if not (fits(plan) and fits(q) and given_jacobian(array_of(plan), array_of(q), J)):
         return nothing(entry(likes, 0))
@@ -206,8 +226,15 @@ _SINGULARITIES = Results([])
 _LIKES = Results([_SINGULARITIES, Results([_SINGULARITIES]), _LIST])
 
 
-@njit(_SINGULARITIES(PLAN, _LIST, float64, int64, _LIKES), cache=True, error_model="numpy")
-def _singularities_at(plan: Any, q: Any, tolerance: float, measures: int, likes: Any) -> Any:
+@asked_for(_SINGULARITIES(PLAN, _LIST, float64, int64, _LIKES))
+def singularities_at(plan: Any, q: Any, tolerance: float, measures: int, likes: Any) -> Any:
+    """Singularities, nearest first, in a tuple.
+
+    measures
+        Address of the kernel of the named ones, or 0: then the smallest singular value is the only one.
+    likes
+        A tuple of as many; a singularity for each name; a direction.
+    """
     J, room, values = scratch(ROOM), scratch(ROOM), scratch(4)
     if not (fits(plan) and fits(q) and given_jacobian(array_of(plan), array_of(q), J)):
         return nothing(entry(likes, 0))
@@ -240,19 +267,3 @@ def _singularities_at(plan: Any, q: Any, tolerance: float, measures: int, likes:
         values[nearest] = np.inf
     release(direction)
     return result if whole else release(result)
-
-
-singular_values_at: Any = direct(_singular_values_at)
-"""`singular_values_at(plan, q, like)`: an array like the one given."""
-ellipsoid_at: Any = direct(_ellipsoid_at)
-"""`ellipsoid_at(plan, q, of_forces, like)`: axes and radii, in a tuple like the one given."""
-lost_directions_at: Any = direct(_lost_directions_at)
-"""`lost_directions_at(plan, q, tolerance, likes)`: (k, 6), an array like `likes[k]`."""
-nullspace_at: Any = direct(_nullspace_at)
-"""`nullspace_at(plan, q, tolerance, likes)`: (n, k), an array like `likes[k]`."""
-singularities_at: Any = direct(_singularities_at)
-"""`singularities_at(plan, q, tolerance, measures, likes)`: a tuple of singularities, nearest first.
-
-`measures` is the address of a kernel of three, or 0: then the smallest singular value is the only one. `likes`: a tuple
-of as many, one singularity for each name, a direction.
-"""

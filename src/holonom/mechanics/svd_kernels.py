@@ -10,13 +10,12 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import float64, njit
+from numba import njit
 from numpy.typing import NDArray
 
 from holonom.mechanics.jacobi_kernels import (
     COLUMN,
     FACTOR,
-    MOST,
     ORDER,
     RANK,
     RESULTS,
@@ -28,8 +27,6 @@ from holonom.mechanics.jacobi_kernels import (
     ranked,
     slot,
 )
-from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
-from holonom.trace.results import Results, entry, exists, made_like, nothing
 from holonom.trace.simd import load
 
 __all__ = [
@@ -38,17 +35,15 @@ __all__ = [
     "decompose",
     "room_for",
     "rows_of_turns",
-    "svd_of_one",
     "svd_of_rows",
     "unit_rows",
-    "values_of_one",
     "values_of_rows",
     "weights",
 ]
 
 Floats = NDArray[np.float64]
 ROOM = 512
-"""Numbers on the stack for one matrix; a longer one than `room_for` allows goes the way of rows."""
+"""Numbers on the stack for one configuration."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -181,39 +176,3 @@ def values_of_rows(A: Floats, s: Floats) -> None:
     room = np.empty(room_for(*A.shape[1:]))
     for row in range(A.shape[0]):
         decompose(A[row], room, s[row], False)
-
-
-_LIST, _TABLE = ArrayObject(float64, (None,)), ArrayObject(float64, (None, None))
-_THREE = Results([_TABLE, _LIST, _TABLE])
-
-
-@njit(cache=True, error_model="numpy")
-def _small(A: Floats) -> bool:
-    return min(A.shape) <= MOST and room_for(*A.shape) <= ROOM
-
-
-@njit(_THREE(_TABLE, _THREE), cache=True, error_model="numpy")
-def _svd_of_one(A: Any, like: Any) -> Any:
-    if not fits(A) or not _small(array_of(A)):
-        return nothing(like)
-    result = made_like(like)
-    if exists(result):
-        room = scratch(ROOM)
-        _svd(array_of(A), room, array_of(entry(result, 0)), array_of(entry(result, 1)), array_of(entry(result, 2)))
-    return result
-
-
-@njit(_LIST(_TABLE, _LIST), cache=True, error_model="numpy")
-def _values_of_one(A: Any, like: Any) -> Any:
-    if not fits(A) or not _small(array_of(A)):
-        return nothing(like)
-    result = made_like(like)
-    if exists(result):
-        decompose(array_of(A), scratch(ROOM), array_of(result), False)
-    return result
-
-
-svd_of_one: Any = direct(_svd_of_one)
-"""`svd_of_one(A, like)`: U, s and Vt of one matrix, in a tuple like the one given; None if A is no C-ordered matrix."""
-values_of_one: Any = direct(_values_of_one)
-"""`values_of_one(A, like)`: the singular values of one matrix, in an array like the one given; or None."""

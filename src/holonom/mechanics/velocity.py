@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import InputError, ShapeError
 from holonom.mechanics.arm import Arm
-from holonom.mechanics.decomposition_kernels import plan_of
+from holonom.mechanics.decomposition_kernels import Prepared, plan_of
 from holonom.mechanics.nearest import joint_vectors
 from holonom.mechanics.velocity_kernels import AUTO, rates_of_one, rates_of_rows
 from holonom.spatial import check_pose
@@ -63,8 +63,8 @@ def joint_rates(
     Nakamura & Hanafusa (1986); Siciliano et al., Robotics, 3.5.2.
     """
     wanted = _damping(damping)
-    plan, like = arm.prepared[_prepared, frame]
-    found: Array | None = rates_of_one(plan, q, twist, wanted, like)
+    one, plan, like = arm.prepared[_prepared, frame]
+    found: Array | None = one(plan, q, twist, wanted, like)
     return _rates(arm.jacobian(q, frame), twist, wanted) if found is None else found
 
 
@@ -76,8 +76,8 @@ def _damping(damping: str | float) -> float:
     return float(damping)
 
 
-def _prepared(arm: Arm, frame: str) -> tuple[NDArray[np.int64], Array]:
-    return plan_of(arm, frame=frame), np.empty(arm.n)
+def _prepared(arm: Arm, frame: str) -> Prepared:
+    return rates_of_one(), plan_of(arm, frame=frame), np.empty(arm.n)
 
 
 def _rates(J: Array, twist: ArrayLike, damping: float) -> Array:

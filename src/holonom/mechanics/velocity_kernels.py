@@ -9,10 +9,10 @@ import numpy as np
 from numba import float64, njit
 from numpy.typing import NDArray
 
-from holonom.mechanics.decomposition_kernels import PLAN, ROOM, given_jacobian, room_for
+from holonom.mechanics.decomposition_kernels import PLAN, ROOM, asked_for, given_jacobian, room_for
 from holonom.mechanics.jacobi_kernels import COLUMN, FACTOR, SQUARE, laid_out, orthogonalise, slot
 from holonom.trace.compiled import select
-from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
+from holonom.trace.direct import ArrayObject, array_of, fits, scratch
 from holonom.trace.results import exists, made_like, nothing
 from holonom.trace.simd import largest, load, spread, total
 
@@ -81,8 +81,9 @@ def rates_of_rows(J: Floats, twist: Floats, damping: float, qd: Floats) -> None:
 _LIST = ArrayObject(float64, (None,))
 
 
-@njit(_LIST(PLAN, _LIST, ArrayObject(float64, (6,)), float64, _LIST), cache=True, error_model="numpy")
-def _rates_of_one(plan: Any, q: Any, twist: Any, damping: float, like: Any) -> Any:
+@asked_for(_LIST(PLAN, _LIST, ArrayObject(float64, (6,)), float64, _LIST))
+def rates_of_one(plan: Any, q: Any, twist: Any, damping: float, like: Any) -> Any:
+    """Rates of one sample, in an array like the one given; None if something is not finite or of another shape."""
     if not (fits(plan) and fits(q) and fits(twist)):
         return nothing(like)
     J, room, wanted = scratch(ROOM), scratch(ROOM), array_of(twist)
@@ -96,10 +97,3 @@ def _rates_of_one(plan: Any, q: Any, twist: Any, damping: float, like: Any) -> A
         n = array_of(q).shape[0]
         _rates(J[: 6 * n].reshape(6, n), wanted, damping, room, array_of(result))
     return result
-
-
-rates_of_one: Any = direct(_rates_of_one)
-"""`rates_of_one(plan, q, twist, damping, like)`: qd of one sample, in an array like the one given.
-
-None if something is not finite, or no array of its shape; plan: see `decomposition_kernels`.
-"""
