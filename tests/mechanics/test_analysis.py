@@ -1,5 +1,8 @@
 """Laws of differential motion and statics."""
 
+import sys
+import weakref
+
 import numpy as np
 import pytest
 from arms import random_model
@@ -7,6 +10,7 @@ from arms import random_model
 from holonom.errors import OutOfLimits, ShapeError, UnknownName
 from holonom.mechanics import Arm, load_arm
 from holonom.mechanics.analysis import (
+    Singularity,
     force_ellipsoid,
     joint_torques,
     largest_force,
@@ -19,6 +23,7 @@ from holonom.mechanics.analysis import (
     transform_wrench,
     velocity_ellipsoid,
 )
+from holonom.mechanics.velocity import joint_rates
 
 Q = np.array([0.3, 0.5, -2.4, 0.4, 0.6, -0.2])
 
@@ -132,3 +137,120 @@ def test_generic_arms_and_bad_input(arm):
         largest_force(arm, Q, [0.0, 0.0, 0.0])
     with pytest.raises(OutOfLimits, match="shoulder"):
         largest_force(arm.with_gravity((0.0, 0.0, -98.1)), [0.0, 0.0, -1.5, 0.0, 0.1, 0.0], [1.0, 0.0, 0.0])
+
+
+ONE = {
+    "singular_values": singular_values,
+    "velocity_ellipsoid": velocity_ellipsoid,
+    "velocity_ellipsoid of the rotation": lambda arm, q: velocity_ellipsoid(arm, q, "rotation"),
+    "velocity_ellipsoid of all": lambda arm, q: velocity_ellipsoid(arm, q, "all"),
+    "force_ellipsoid": force_ellipsoid,
+    "lost_directions": lost_directions,
+    "nullspace": nullspace,
+    "singularities": singularities,
+    "joint_rates": lambda arm, q: joint_rates(arm, q, [0.1, -0.2, 0.3, -0.4, 0.5, 0.6]),
+}
+
+
+@pytest.fixture(scope="module")
+def arms():
+    return [load_arm("puma560"), load_arm("ur5e"), load_arm("panda"), *(Arm(random_model(k, k)) for k in (2, 4, 9))]
+
+
+def _configurations(arm):
+    rng = np.random.default_rng(arm.n)
+    yield np.zeros(arm.n)
+    for k in range(12):
+        q = rng.uniform(-2.5, 2.5, arm.n)
+        if arm.n > 5 and k % 2:
+            q[4] = 0.0
+        yield q
+
+
+def _same(found, wanted):
+    """Numbers as they are, vectors up to their sign, bases by what they span."""
+    if isinstance(found, np.ndarray) and found.ndim == 2:
+        for V, W in ((found, wanted), (found.T, wanted.T)):
+            if np.allclose(V.T @ V, np.eye(V.shape[1]), atol=1e-13):
+                np.testing.assert_allclose(V @ V.T, W @ W.T, atol=1e-11)
+                return
+        raise AssertionError("no basis")
+    if isinstance(found, tuple):
+        assert type(found) is type(wanted)
+        for a, b in zip(found, wanted, strict=True):
+            _same(a, b)
+    elif isinstance(found, str | bool):
+        assert found == wanted
+    else:
+        np.testing.assert_allclose(np.abs(found), np.abs(wanted), rtol=1e-7, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ONE)
+def test_one_array_goes_the_compiled_way_to_what_a_list_gives(arms, name):
+    for arm in arms:
+        for q in _configurations(arm):
+            _same(ONE[name](arm, q), ONE[name](arm, q.tolist()))
+
+
+@pytest.mark.parametrize("name", ONE)
+def test_a_bad_configuration_is_named(arms, name):
+    for arm in arms[:2]:
+        bad = np.zeros(arm.n)
+        bad[1] = np.nan
+        with pytest.raises(ShapeError, match=r"q\[1\] is nan"):
+            ONE[name](arm, bad)
+        with pytest.raises(ShapeError, match="q"):
+            ONE[name](arm, np.zeros(arm.n + 1))
+
+
+def test_bases_are_those_of_the_jacobian(arms):
+    for arm in arms:
+        for q in _configurations(arm):
+            J, s = arm.jacobian(q), np.linalg.svd(arm.jacobian(q), compute_uv=False)
+            rank = np.count_nonzero(s > 1e-6)
+            L, N = lost_directions(arm, q), nullspace(arm, q)
+            assert L.shape == (6 - rank, 6)
+            assert N.shape == (arm.n, arm.n - rank)
+            np.testing.assert_allclose(L @ L.T, np.eye(6 - rank), atol=1e-14)
+            np.testing.assert_allclose(N.T @ N, np.eye(arm.n - rank), atol=1e-14)
+            np.testing.assert_allclose(L @ J, 0.0, atol=1e-6)
+            np.testing.assert_allclose(J @ N, 0.0, atol=1e-6)
+            np.testing.assert_allclose(singular_values(arm, q), s, atol=1e-14 * s[0])
+            least = singularities(arm, q)[0].direction
+            assert np.linalg.norm(least @ J) == pytest.approx(s[-1], abs=1e-14)
+            for part, rows in (("translation", J[:3]), ("rotation", J[3:])):
+                fast, strong = velocity_ellipsoid(arm, q, part), force_ellipsoid(arm, q, part)
+                np.testing.assert_allclose((fast.axes * fast.radii**2) @ fast.axes.T, rows @ rows.T, atol=1e-13)
+                np.testing.assert_array_equal(strong.axes, fast.axes[:, ::-1])
+                assert (np.isinf(strong.radii) == (fast.radii[::-1] <= 1e-6)).all()
+
+
+@pytest.mark.parametrize("damping", ["auto", 0.0, 1e-3, 0.1])
+def test_joint_rates_are_the_sum_over_singular_values(arms, damping):
+    rng = np.random.default_rng(7)
+    for arm in arms:
+        for q in _configurations(arm):
+            J, twist = arm.jacobian(q), rng.normal(size=6)
+            U, s, Vt = np.linalg.svd(J, full_matrices=False)
+            square = max((0.02 * s[0]) ** 2 - s[-1] ** 2, 0.0) if damping == "auto" else damping**2
+            gain = np.divide(s, s**2 + square, out=np.zeros_like(s), where=s > 1e-12 * s[0])
+            wanted = Vt.T @ (gain * (U.T @ twist))
+            np.testing.assert_allclose(joint_rates(arm, q, twist, damping=damping), wanted, rtol=1e-9, atol=1e-12)
+            rows = joint_rates(arm, [q, q], twist, damping=damping)
+            np.testing.assert_allclose(rows, [wanted, wanted], rtol=1e-9, atol=1e-12)
+
+
+def test_singularities_are_new_each_time_and_share_one_direction(arm):
+    first, again = singularities(arm, Q), singularities(arm, Q)
+    assert type(first) is tuple
+    assert all(case.direction is first[0].direction for case in first)
+    assert first[0].direction is not again[0].direction
+    assert [type(x) for x in first[0]] == [str, float, bool, np.ndarray]
+    assert [abs(case.value) for case in first] == sorted(abs(case.value) for case in first)
+
+
+def test_singularities_are_let_go(arm):
+    held = sys.getrefcount(Singularity)
+    direction = weakref.ref(singularities(arm, Q)[0].direction)
+    assert direction() is None
+    assert sys.getrefcount(Singularity) == held

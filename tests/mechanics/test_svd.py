@@ -1,11 +1,13 @@
 """The compiled singular value decomposition beside LAPACK's."""
 
+import mpmath
 import numpy as np
 import pytest
 
 from holonom.mechanics.svd import singular_values, svd
 
 SHAPES = [(6, 6), (6, 7), (3, 6), (6, 2), (7, 3), (3, 3), (1, 4), (4, 1), (1, 1)]
+SHAPES += [(5, 5), (6, 5), (4, 6), (6, 60), (8, 7)]
 
 
 def check(A, scale=1.0):
@@ -70,3 +72,35 @@ def test_what_is_not_finite_ends_as_nan(bad):
     assert np.isfinite(s[[0, 2]]).all()
     assert np.isnan(svd(A[1])[1]).any()
     assert np.isnan(singular_values(A[1])).any()
+    A = np.ones((2, 7, 8))
+    A[1, 2, 3] = bad
+    assert np.isnan(svd(A)[1]).any(-1).tolist() == [False, True]
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-15, 1e-12, 1e-8, 1e-4])
+@pytest.mark.parametrize(("m", "n"), [(6, 6), (6, 7), (3, 6), (5, 6), (7, 4)])
+def test_clusters_of_singular_values_leave_vectors_orthogonal(m, n, gap):
+    """Where angles stay large however small the cosines are: the sweep that ends it all is not the first quiet one."""
+    rng, k = np.random.default_rng(5), min(m, n)
+    U, V = (np.linalg.qr(rng.normal(size=(500, size, size)))[0] for size in (m, n))
+    s = np.where(np.arange(k) < k // 2, 1.0, 1e-3) * (1.0 + gap * rng.normal(size=(500, k)))
+    U, s, Vt = svd(U[:, :, :k] * s[:, None] @ V[:, :k])
+    for Q, size in ((U, m), (Vt, n)):
+        np.testing.assert_allclose(Q @ np.swapaxes(Q, 1, 2), np.broadcast_to(np.eye(size), Q.shape), atol=5e-15)
+
+
+def test_small_singular_values_keep_their_digits_beside_exact_ones():
+    rng = np.random.default_rng(6)
+    with mpmath.workdps(60):
+        for _ in range(10):
+            A = 10.0 ** rng.uniform(-20.0, 0.0, (6, 1)) * rng.normal(size=(6, 7))
+            M = mpmath.matrix(A.tolist())
+            exact = sorted(mpmath.sqrt(x) for x in mpmath.eigsy(M * M.T, eigvals_only=True))[::-1]
+            np.testing.assert_allclose(singular_values(A), [float(x) for x in exact], rtol=1e-13)
+
+
+def test_a_matrix_without_rows():
+    U, s, Vt = svd(np.empty((2, 0, 3)))
+    assert U.shape == (2, 0, 0)
+    assert s.shape == (2, 0)
+    np.testing.assert_array_equal(Vt, np.broadcast_to(np.eye(3), (2, 3, 3)))

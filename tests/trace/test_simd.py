@@ -11,7 +11,7 @@ from numba import njit
 from numba.core.errors import TypingError
 
 from holonom.trace.compiled import arctan, select, sincos_half_turn
-from holonom.trace.simd import any_of, largest, load, packed, store, total
+from holonom.trace.simd import any_of, chosen, largest, load, packed, spread, store, total
 
 RECORD = np.dtype(
     [("a", np.float64, (4,)), ("count", np.int64, (4,)), ("part", [("b", np.float64, (4,))]), ("c", np.float64, (4,))]
@@ -145,3 +145,15 @@ def test_sine_and_cosine_of_a_half_turn() -> None:
     np.testing.assert_allclose(sine[small], np.sin(x[small]), rtol=7e-16, atol=0.0)
     assert (sine[x == 0.0] == 0.0).all()
     assert (cosine[x == 0.0] == 1.0).all()
+
+
+def test_lanes_of_two_packs_are_chosen_by_number() -> None:
+    @njit
+    def over(a: np.ndarray, out: np.ndarray) -> None:
+        store(out, 0, chosen(load(a, 0), load(a, 1), 0, 6, 5, 3))
+        store(out, 1, chosen(load(a, 0), load(a, 1), 7, 7, 1, 0))
+        store(out, 2, spread(a[2]))
+
+    out = np.empty(12)
+    over(np.arange(8.0), out)
+    np.testing.assert_array_equal(out, [0, 6, 5, 3, 7, 7, 1, 0, 2, 2, 2, 2])

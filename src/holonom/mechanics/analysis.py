@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -16,7 +15,18 @@ from numpy.typing import ArrayLike, NDArray
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.mechanics import svd
 from holonom.mechanics.arm import Arm
+from holonom.mechanics.decomposition_kernels import (
+    LOST,
+    Prepared,
+    ellipsoid_at,
+    lost_directions_at,
+    nullspace_at,
+    plan_of,
+    singular_values_at,
+    singularities_at,
+)
 from holonom.mechanics.equations.vectors import Vector, add, cross, matvec
+from holonom.mechanics.results import Ellipsoid, Singularity
 from holonom.mechanics.singularity_kernels import NAMED, measures_of, rows_of
 from holonom.trace import Number, compile, real_array
 
@@ -38,30 +48,6 @@ __all__ = [
 
 Array = NDArray[np.float64]
 Part = Literal["all", "translation", "rotation"]
-LOST = 1e-6
-"""Singular value below which a direction counts as lost (m or 1 per rad)."""
-
-
-@dataclass(frozen=True, slots=True)
-class Ellipsoid:
-    """Principal `axes` (..., 3, 3), one per column, in the world, and `radii` (..., 3), largest first."""
-
-    axes: Array
-    radii: Array
-
-
-@dataclass(frozen=True, slots=True)
-class Singularity:
-    """How near an arm is to a singularity.
-
-    `value` is 0 at it (a length in m, the sine of an angle, or a singular value); `direction` (6,) is the unit twist
-    [v; w] in the world that is lost there, or would be lost first.
-    """
-
-    name: str
-    value: float
-    near: bool
-    direction: Array
 
 
 def _part(arm: Arm, q: ArrayLike, part: Part) -> Array:
@@ -71,7 +57,14 @@ def _part(arm: Arm, q: ArrayLike, part: Part) -> Array:
 
 def singular_values(arm: Arm, q: ArrayLike, part: Part = "all") -> Array:
     """Singular values of the Jacobian (..., min(m, n)), largest first; metres and radians mixed for "all"."""
-    return svd.singular_values(_part(arm, q, part))
+    one, plan, like = arm.prepared[_values_prepared, part]
+    found: Array | None = one(plan, q, like)
+    return svd.singular_values(_part(arm, q, part)) if found is None else found
+
+
+def _values_prepared(arm: Arm, part: Part) -> Prepared:
+    plan = plan_of(arm, part)
+    return singular_values_at(), plan, np.empty(min(arm.n, plan[3]))
 
 
 def manipulability(arm: Arm, q: ArrayLike, part: Part = "all", *, threads: int = 1) -> Array:
@@ -82,14 +75,30 @@ def manipulability(arm: Arm, q: ArrayLike, part: Part = "all", *, threads: int =
 
 def lost_directions(arm: Arm, q: ArrayLike, *, tolerance: float = LOST) -> Array:
     """Unit twists [v; w] in the world (k, 6) along which the tool cannot move at q (n,)."""
-    U, s, _ = svd.svd(_one(arm, q))
-    return U[:, np.count_nonzero(s > tolerance) :].T.copy()
+    one, plan, likes = arm.prepared[_directions_prepared]
+    found: Array | None = one(plan, q, tolerance, likes)
+    if found is None:
+        U, s, _ = svd.svd(_one(arm, q))
+        return U[:, np.count_nonzero(s > tolerance) :].T.copy()
+    return found
+
+
+def _directions_prepared(arm: Arm) -> Prepared:
+    return lost_directions_at(), plan_of(arm), tuple(np.empty((k, 6)) for k in range(7))
 
 
 def nullspace(arm: Arm, q: ArrayLike, *, tolerance: float = LOST) -> Array:
     """Orthonormal joint rates (n, k) that leave the tool at rest at q (n,)."""
-    _, s, Vt = svd.svd(_one(arm, q))
-    return Vt[np.count_nonzero(s > tolerance) :].T.copy()
+    one, plan, likes = arm.prepared[_nullspace_prepared]
+    found: Array | None = one(plan, q, tolerance, likes)
+    if found is None:
+        _, s, Vt = svd.svd(_one(arm, q))
+        return Vt[np.count_nonzero(s > tolerance) :].T.copy()
+    return found
+
+
+def _nullspace_prepared(arm: Arm) -> Prepared:
+    return nullspace_at(), plan_of(arm), tuple(np.empty((arm.n, k)) for k in range(arm.n + 1))
 
 
 def _one(arm: Arm, q: ArrayLike) -> Array:
@@ -101,10 +110,7 @@ def _one(arm: Arm, q: ArrayLike) -> Array:
 
 def velocity_ellipsoid(arm: Arm, q: ArrayLike, part: Literal["translation", "rotation"] = "translation") -> Ellipsoid:
     """Tool velocities that joint rates of norm 1 reach: radii in m/s (or rad/s) per rad/s."""
-    U, s, _ = svd.svd(_part(arm, q, part))
-    radii = np.zeros(U.shape[:-1])
-    radii[..., : s.shape[-1]] = s
-    return Ellipsoid(U, radii)
+    return _ellipsoid(arm, q, part, False)
 
 
 def force_ellipsoid(arm: Arm, q: ArrayLike, part: Literal["translation", "rotation"] = "translation") -> Ellipsoid:
@@ -112,10 +118,27 @@ def force_ellipsoid(arm: Arm, q: ArrayLike, part: Literal["translation", "rotati
 
     A radius is infinite where a direction is lost: the structure carries the load, not the motors.
     """
-    velocity = velocity_ellipsoid(arm, q, part)
-    radii = np.full(velocity.radii.shape, np.inf)
-    np.divide(1.0, velocity.radii, out=radii, where=velocity.radii > LOST)
-    return Ellipsoid(velocity.axes[..., ::-1], radii[..., ::-1])
+    return _ellipsoid(arm, q, part, True)
+
+
+def _ellipsoid_prepared(arm: Arm, part: Part) -> Prepared:
+    plan = plan_of(arm, part)
+    return ellipsoid_at(), plan, Ellipsoid(np.empty((plan[3], plan[3])), np.empty(plan[3]))
+
+
+def _ellipsoid(arm: Arm, q: ArrayLike, part: Part, of_forces: bool) -> Ellipsoid:
+    one, plan, like = arm.prepared[_ellipsoid_prepared, part]
+    found: Ellipsoid | None = one(plan, q, of_forces, like)
+    if found is not None:
+        return found
+    axes, s, _ = svd.svd(_part(arm, q, part))
+    radii = np.zeros(axes.shape[:-1])
+    radii[..., : s.shape[-1]] = s
+    if not of_forces:
+        return Ellipsoid(axes, radii)
+    inverse = np.full(radii.shape, np.inf)
+    np.divide(1.0, radii, out=inverse, where=radii > LOST)
+    return Ellipsoid(axes[..., ::-1], inverse[..., ::-1])
 
 
 def singularities(arm: Arm, q: ArrayLike, *, tolerance: float = 0.02) -> tuple[Singularity, ...]:
@@ -127,13 +150,26 @@ def singularities(arm: Arm, q: ArrayLike, *, tolerance: float = 0.02) -> tuple[S
     plane of axes 1 and 2, m), elbow (sine of the angle between upper arm and forearm), wrist (sine of the angle between
     axes 4 and 6). Any other arm has "smallest singular value".
     """
+    one, plan, (measures, likes) = arm.prepared[_singularities_prepared]
+    nearest: tuple[Singularity, ...] | None = one(plan, q, tolerance, measures, likes)
+    if nearest is not None:
+        return nearest
     U, s, _ = svd.svd(_one(arm, q))
-    measures = {"smallest singular value": float(s[-1])}
-    if arm.made("named singularities", lambda: measures_of(arm.model) is not None):
-        measures = dict(zip(NAMED, arm.calls["singularity_measures"](q).tolist(), strict=True))
-    direction = U[:, len(s) - 1]
-    found = [Singularity(name, value, abs(value) < tolerance, direction) for name, value in measures.items()]
+    values = arm.calls["singularity_measures"](q).tolist() if measures else [float(s[-1])]
+    names = [like.name for like in likes[1]]
+    direction = U[:, len(s) - 1].copy()
+    found = [
+        Singularity(name, value, abs(value) < tolerance, direction) for name, value in zip(names, values, strict=True)
+    ]
     return tuple(sorted(found, key=lambda s: abs(s.value)))
+
+
+def _singularities_prepared(arm: Arm) -> Prepared:
+    named = measures_of(arm.model) is not None
+    address = arm.kernel("singularity_measures").address if named else 0
+    names, direction = NAMED if named else ("smallest singular value",), np.empty(6)
+    each = tuple(Singularity(name, np.nan, False, direction) for name in names)
+    return singularities_at(), plan_of(arm), (address, (each, each, direction))
 
 
 def joint_torques(arm: Arm, q: ArrayLike, wrench: ArrayLike, frame: str = "world") -> Array:

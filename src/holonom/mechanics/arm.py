@@ -52,19 +52,34 @@ class _Inverse:
     nowhere: bytes
 
 
+class Prepared(dict[Any, Any]):
+    """What verbs prepare for an arm once: `prepared[build, option]` is what `build(arm, option)` gave."""
+
+    def __init__(self, arm: Arm) -> None:
+        super().__init__()
+        self._arm = arm
+
+    def __missing__(self, key: Any) -> Any:
+        build, *options = key if isinstance(key, tuple) else (key,)
+        found = self[key] = build(self._arm, *options)
+        return found
+
+
 class Arm:
     """A serial arm; every verb broadcasts over leading axes.
 
     One sample, or rows of C-contiguous float64, go the fast way.
 
     `threads=` shares a batch; `out=` takes a result array. Kernels are compiled on first use and cached on disk;
-    `kernel(name)` hands one out for the fastest repeated calls. `calls` holds those of the verbs.
+    `kernel(name)` hands one out for the fastest repeated calls. `calls` holds those of the verbs, `prepared` what else
+    they need for one configuration.
     """
 
     def __init__(self, model: ArmModel) -> None:
         self.model = model
         self.n = len(model.independent)
         self.calls = Calls(self.kernel)
+        self.prepared = Prepared(self)
         self._made: dict[Hashable, Any] = {}
 
     def __reduce__(self) -> tuple[type[Arm], tuple[ArmModel]]:

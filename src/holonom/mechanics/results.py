@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 __all__ = [
     "AnalyticJacobian",
     "CouplingTable",
+    "Ellipsoid",
     "Energy",
     "ForwardDynamicsDerivatives",
     "InverseDynamicsDerivatives",
+    "Singularity",
 ]
 
 Array = NDArray[np.float64]
@@ -61,3 +63,23 @@ class CouplingTable(NamedTuple):
     inertia: Array
     centrifugal: Array
     coriolis: Array
+
+
+class Ellipsoid(NamedTuple):
+    """Principal `axes` (..., 3, 3), one per column, in the world, and `radii` (..., 3), largest first."""
+
+    axes: Array
+    radii: Array
+
+
+class Singularity(NamedTuple):
+    """How near an arm is to a singularity.
+
+    `value` is 0 at it (a length in m, the sine of an angle, or a singular value); `direction` (6,) is the unit twist
+    [v; w] in the world that is lost there, or would be lost first.
+    """
+
+    name: str
+    value: float
+    near: bool
+    direction: Array

@@ -1,14 +1,17 @@
-"""Singular values and vectors of small matrices: as `numpy.linalg.svd`, in a fifth of its time for one Jacobian."""
+"""Singular values and vectors of small matrices: as `numpy.linalg.svd`, in a tenth of its time for Jacobians.
+
+Compiled for matrices of up to six rows or columns, whatever the other count; LAPACK's beyond.
+"""
 
 from __future__ import annotations
 
-import functools
 import math
 
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.mechanics.svd_kernels import svd_of_one, svd_of_rows, values_of_one, values_of_rows
+from holonom.mechanics.jacobi_kernels import MOST
+from holonom.mechanics.svd_kernels import svd_of_rows, values_of_rows
 
 __all__ = ["singular_values", "svd"]
 
@@ -21,11 +24,9 @@ def svd(A: Array) -> Three:
 
     s (..., min(m, n)) is largest first, and NaN where A has NaN or infinity.
     """
-    if A.ndim == 2:
-        found: Three | None = svd_of_one(A, _like(A.shape))
-        if found is not None:
-            return found
     lead, (m, n) = A.shape[:-2], A.shape[-2:]
+    if min(m, n) > MOST:
+        return _of_lapack(A)
     count, k = math.prod(lead), min(m, n)
     U, s, Vt = np.empty((*lead, m, m)), np.empty((*lead, k)), np.empty((*lead, n, n))
     rows = np.ascontiguousarray(A).reshape(count, m, n)
@@ -35,18 +36,16 @@ def svd(A: Array) -> Three:
 
 def singular_values(A: Array) -> Array:
     """Singular values (..., min(m, n)) of A (..., m, n), as `svd` gives them."""
-    if A.ndim == 2:
-        found: Array | None = values_of_one(A, _like(A.shape)[1])
-        if found is not None:
-            return found
     lead, (m, n) = A.shape[:-2], A.shape[-2:]
+    if min(m, n) > MOST:
+        return _of_lapack(A)[1]
     s = np.empty((*lead, min(m, n)))
     values_of_rows(np.ascontiguousarray(A).reshape(math.prod(lead), m, n), s.reshape(math.prod(lead), min(m, n)))
     return s
 
 
-@functools.cache
-def _like(shape: tuple[int, int]) -> Three:
-    """What the results of one matrix take after."""
-    m, n = shape
-    return np.empty((m, m)), np.empty(min(m, n)), np.empty((n, n))
+def _of_lapack(A: Array) -> Three:
+    bad = ~np.isfinite(A)
+    U, s, Vt = np.linalg.svd(np.where(bad, 0.0, A))
+    s[bad.any((-1, -2))] = np.nan
+    return U, s, Vt

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from dataclasses import dataclass
 
@@ -11,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import InputError, ShapeError
 from holonom.mechanics.arm import Arm
+from holonom.mechanics.decomposition_kernels import Prepared, plan_of
 from holonom.mechanics.nearest import joint_vectors
 from holonom.mechanics.velocity_kernels import AUTO, rates_of_one, rates_of_rows
 from holonom.spatial import check_pose
@@ -62,7 +62,10 @@ def joint_rates(
     -----
     Nakamura & Hanafusa (1986); Siciliano et al., Robotics, 3.5.2.
     """
-    return _rates(arm.jacobian(q, frame), twist, _damping(damping))
+    wanted = _damping(damping)
+    one, plan, like = arm.prepared[_prepared, frame]
+    found: Array | None = one(plan, q, twist, wanted, like)
+    return _rates(arm.jacobian(q, frame), twist, wanted) if found is None else found
 
 
 def _damping(damping: str | float) -> float:
@@ -73,12 +76,12 @@ def _damping(damping: str | float) -> float:
     return float(damping)
 
 
+def _prepared(arm: Arm, frame: str) -> Prepared:
+    return rates_of_one(), plan_of(arm, frame=frame), np.empty(arm.n)
+
+
 def _rates(J: Array, twist: ArrayLike, damping: float) -> Array:
-    """Rates (..., n) for twists (..., 6), with lambda or `AUTO`."""
-    if J.ndim == 2:
-        found: Array | None = rates_of_one(J, twist, damping, _like(J.shape[1]))
-        if found is not None:
-            return found
+    """Rates (..., n) for Jacobians (..., 6, n) and twists (..., 6), with lambda or `AUTO`."""
     wanted = real_array("twist", twist)
     if wanted.shape[-1:] != (6,) or not np.isfinite(wanted).all():
         raise ShapeError(f"twist must be finite and of shape (..., 6), [v; w]; shape {wanted.shape} came")
@@ -88,12 +91,6 @@ def _rates(J: Array, twist: ArrayLike, damping: float) -> Array:
     twists = np.ascontiguousarray(np.broadcast_to(wanted, (*lead, 6))).reshape(count, 6)
     rates_of_rows(rows, twists, damping, qd.reshape(count, n))
     return qd
-
-
-@functools.cache
-def _like(n: int) -> Array:
-    """What the rates of one sample take after."""
-    return np.empty(n)
 
 
 def follow_path(
@@ -127,7 +124,8 @@ def follow_path(
     k = 0.5 / dt if gain is None else float(gain)
     if not 0.0 <= k * dt < 2.0:
         raise InputError(f"gain is {gain} 1/s with dt = {dt} s; 0 <= gain < {2.0 / dt:g} keeps the error decaying")
-    return _follow(arm, _start(arm, q0, poses.shape[:-3]), poses, dt, k, _damping(damping))
+    _damping(damping)
+    return _follow(arm, _start(arm, q0, poses.shape[:-3]), poses, dt, k, damping)
 
 
 def _start(arm: Arm, q0: ArrayLike, lead: tuple[int, ...]) -> Array:
@@ -138,7 +136,7 @@ def _start(arm: Arm, q0: ArrayLike, lead: tuple[int, ...]) -> Array:
         raise ShapeError(f"q0 must broadcast to {(*lead, arm.n)}; shape {given.shape} came") from None
 
 
-def _follow(arm: Arm, start: Array, poses: Array, dt: float, gain: float, damping: float) -> PathResult:
+def _follow(arm: Arm, start: Array, poses: Array, dt: float, gain: float, damping: str | float) -> PathResult:
     count = poses.shape[-3]
     q = np.empty((*poses.shape[:-2], arm.n))
     qd = np.zeros_like(q)
@@ -149,7 +147,7 @@ def _follow(arm: Arm, start: Array, poses: Array, dt: float, gain: float, dampin
         residual[..., i] = np.linalg.norm(error, axis=-1)
         if i + 1 < count:
             ahead = _twist(poses[..., i, :, :], poses[..., i + 1, :, :]) / dt
-            qd[..., i, :] = _rates(arm.jacobian(q[..., i, :]), ahead + gain * error, damping)
+            qd[..., i, :] = joint_rates(arm, q[..., i, :], ahead + gain * error, damping=damping)
             q[..., i + 1, :] = q[..., i, :] + dt * qd[..., i, :]
     bounds = arm.limits
     inside = (q >= bounds.lower) & (q <= bounds.upper) & (np.abs(qd) <= bounds.speed)

@@ -33,7 +33,7 @@ from holonom.trace.layout import (
     place,
 )
 
-__all__ = ["Results", "entry", "exists", "made_like", "nothing"]
+__all__ = ["Results", "entry", "exists", "made_like", "nothing", "put", "release"]
 
 
 class Results(types.Opaque):
@@ -129,6 +129,33 @@ def _entry(context: Any, result: Any, number: Any) -> Any:
     return kind(result, number), generate
 
 
+def _put(context: Any, result: Any, number: Any, value: Any) -> Any:
+    def generate(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
+        python, kind = ctx.get_python_api(builder), signature.args[2]
+        if isinstance(kind, types.Float):
+            held = python.float_from_double(ctx.cast(builder, args[2], kind, types.float64))
+        else:
+            held = args[2] if not isinstance(kind, types.Boolean) else python.bool_from_bool(args[2])
+            python.incref(held)
+        fine = builder.not_(is_null(builder, held))
+        with builder.if_then(fine):
+            k = ctx.cast(builder, args[1], signature.args[1], types.int64)
+            where = place(builder, args[0], builder.add(LONG(ITEMS), builder.mul(LONG(8), k)), POINTER)
+            python.decref(builder.load(where, typ=POINTER))
+            builder.store(held, where)
+        return fine
+
+    return types.boolean(result, number, value), generate
+
+
+def _release(context: Any, result: Any) -> Any:
+    def generate(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
+        ctx.get_python_api(builder).decref(args[0])  # of NULL: nothing
+        return POINTER(None)
+
+    return result(result), generate
+
+
 made_like: Any = intrinsic(_made_like)
 """`made_like(result)`: a new one like it, of which `exists` is to be asked."""
 exists: Any = intrinsic(_exists)
@@ -137,3 +164,8 @@ nothing: Any = intrinsic(_nothing)
 """`nothing(result)`: None, in a result's stead."""
 entry: Any = intrinsic(prefer_literal=True)(_entry)
 """`entry(result, k)`: its k-th array; an array is its own. Where k is no literal, all entries are of one kind."""
+put: Any = intrinsic(_put)
+"""`put(result, k, value)`: let the k-th entry of a new tuple be a float, a truth value, or an array or tuple, which the
+caller still holds; whether there was memory for it."""
+release: Any = intrinsic(_release)
+"""`release(result)`: give back an array or a tuple that is not to be returned, or that does not exist; gives NULL."""

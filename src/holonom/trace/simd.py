@@ -3,7 +3,8 @@
 In compiled code a `Pack` is added, multiplied, compared and chosen from as a float is, lane by lane, also with floats
 (which count for all lanes): `+ - * /`, `< <= > >=` and `& |` of these, `min`, `max`, `abs`, `math.sqrt`,
 `math.copysign`, `np.floor`, and `select` of `trace.compiled`. Nothing branches on one; `any_of` and `total` lead back
-to a truth value and a number. `packed(record)` gives a record whose fields (4,) are packs, to read and to set:
+to a truth value and a number. `spread` makes a pack of one number, `chosen(a, b, 0, 1, 4, 5)` one of four lanes of two
+packs (0 to 3 are those of `a`). `packed(record)` gives a record whose fields (4,) are packs, to read and to set:
 
     own = packed(states[0])
     own.angle += dt * own.speed
@@ -35,7 +36,7 @@ from numba.extending import (
     register_model,
 )
 
-__all__ = ["WIDTH", "any_of", "largest", "load", "mask", "pack", "packed", "store", "total"]
+__all__ = ["WIDTH", "any_of", "chosen", "largest", "load", "mask", "pack", "packed", "spread", "store", "total"]
 
 WIDTH = 4
 
@@ -200,6 +201,24 @@ def _any_of(context: Any, truths: Any) -> Any:
     return types.boolean(mask), generate
 
 
+def _spread_number(context: Any, number: Any) -> Any:
+    """The same number four times."""
+    del context
+    return pack(pack), lambda _, builder, signature, args: args[0]
+
+
+def _chosen(context: Any, a: Any, b: Any, first: Any, second: Any, third: Any, fourth: Any) -> Any:
+    """Four lanes of two packs, by literal numbers from 0 to 7."""
+    del context
+    numbers = (first, second, third, fourth)
+    lanes = ir.Constant(ir.VectorType(ir.IntType(32), WIDTH), [getattr(k, "literal_value", 0) for k in numbers])
+
+    def generate(_: Any, builder: Any, __: Any, args: Any) -> Any:
+        return builder.shuffle_vector(*args[:2], lanes)
+
+    return pack(a, b, *numbers), generate
+
+
 def _load(context: Any, array: Any, block: Any) -> Any:
     """Numbers `[4 block : 4 block + 4]` of a contiguous array."""
     del context
@@ -232,9 +251,11 @@ def _packed(context: Any, record: Any) -> Any:
 
 
 any_of: Any = intrinsic(_any_of)
+chosen: Any = intrinsic(prefer_literal=True)(_chosen)
 largest: Any = intrinsic(_largest)
 load: Any = intrinsic(_load)
 packed: Any = intrinsic(_packed)
+spread: Any = intrinsic(_spread_number)
 store: Any = intrinsic(_store)
 total: Any = intrinsic(_total)
 
