@@ -92,7 +92,7 @@ def forward_dynamics_columns(
     That is the factor of B, and dtau/dq, dtau/dqd and 1, one below the other.
     """
     found, factor = _at_the_motion(model, bodies, q, qd, tau, friction)
-    unit = [[float(i == k) for k in range(len(q))] for i in range(len(q))]
+    unit: Rows = [[float(i == k) for k in range(len(q))] for i in range(len(q))]
     return [entry for row in factor for entry in row], [entry for row in (*found.q, *found.qd, *unit) for entry in row]
 
 
