@@ -89,20 +89,20 @@ def forward_dynamics_columns(
 ) -> tuple[list[Number], list[Number]]:
     """The same in columns, which `forward_dynamics_column` makes: what they share, and what they start from.
 
-    That is the factor of B, and -dtau/dq, -dtau/dqd and 1, one below the other.
+    That is the factor of B, and dtau/dq, dtau/dqd and 1, one below the other.
     """
     found, factor = _at_the_motion(model, bodies, q, qd, tau, friction)
-    own: Rows = [scale(-1.0, row) for row in (*found.q, *found.qd)]
-    own += [[float(i == k) for k in range(len(q))] for i in range(len(q))]
-    return [entry for row in factor for entry in row], [entry for row in own for entry in row]
+    unit: Rows = [[float(i == k) for k in range(len(q))] for i in range(len(q))]
+    return [entry for row in factor for entry in row], [entry for row in (*found.q, *found.qd, *unit) for entry in row]
 
 
 def forward_dynamics_column(shared: Vector, own: Vector) -> list[list[Number]]:
-    """A column of each of the derivatives: B x = what it starts from."""
+    """A column of each of the derivatives."""
     n = len(own) // 3
     ends = [k * (k + 1) // 2 for k in range(n + 1)]
     factor = [shared[begin:end] for begin, end in itertools.pairwise(ends)]
-    return [solve_factored(factor, own[n * k : n * k + n]) for k in range(3)]
+    by_q, by_qd, by_tau = (solve_factored(factor, own[n * k : n * k + n]) for k in range(3))
+    return [scale(-1.0, by_q), scale(-1.0, by_qd), by_tau]
 
 
 def _at_the_motion(
