@@ -18,7 +18,7 @@ from holonom.model import DHRow, Friction, Motor
 from holonom.spatial import rpy_angles, zyz_angles
 from holonom.trace import Graph, Scalar
 from holonom.trace.derivative import jacobian
-from holonom.trace.emit import operand, straight_line
+from holonom.trace.line import operand, straight_line
 
 
 def rubbing(model):

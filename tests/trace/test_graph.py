@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from holonom import trace
 from holonom.errors import OutputError
 from holonom.trace.cache import load_module
-from holonom.trace.emit import operand, straight_line
 from holonom.trace.graph import Graph, Scalar, live_nodes
+from holonom.trace.line import operand, straight_line
 
 
 @pytest.fixture

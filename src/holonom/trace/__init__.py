@@ -12,9 +12,9 @@
 
 Inside, in the order in which an equation goes through them:
 
-- to a line: `functions`, `graph`, `elementary`; `lanes` lays the branches of an inverse side by side, `columns` makes
-  like columns in a loop;
-- to text: `emit`, `cuda`; `cache` keeps it;
+- to a line: `functions`, `graph`, `elementary`, `line`; `lanes` lays the branches of an inverse side by side, `columns`
+  makes the like columns of a result in a loop;
+- to modules as text: `emit`, `cuda`; `cache` keeps them;
 - to machine code: `lower`, with `transpose` and `remainder` for the rows of a batch;
 - to be called: `kernel`, `pointer`; `direct`, `results` and `layout` are the way past Numba's dispatch, `batch` that of
   many rows; `crew` shares these among threads, with what is in `atomic`.

@@ -29,6 +29,7 @@ HELPERS = [
     "graph",
     "lanes",
     "layout",
+    "line",
     "lower",
     "pointer",
     "remainder",

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from holonom.errors import ShapeError
-from holonom.trace.emit import (
+from holonom.trace.graph import Graph, Scalar
+from holonom.trace.line import (
     BLOCK_FLAGS,
     SCALAR_FLAGS,
     TOGETHER,
@@ -26,7 +27,6 @@ from holonom.trace.emit import (
     stores,
     straight_line,
 )
-from holonom.trace.graph import Graph, Scalar
 
 __all__ = ["Columns", "columns_of"]
 

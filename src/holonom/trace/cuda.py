@@ -14,8 +14,8 @@ import numpy as np
 from holonom.errors import RunError, ShapeError
 from holonom.trace.cache import load_module
 from holonom.trace.columns import Columns
-from holonom.trace.emit import Field, Results, stores
 from holonom.trace.kernel import Kernel
+from holonom.trace.line import Field, Results, stores
 
 __all__ = ["cuda_rows", "emit_cuda", "launch"]
 

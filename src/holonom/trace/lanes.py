@@ -11,7 +11,8 @@ import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from holonom.trace.emit import (
+from holonom.trace.graph import Graph, Op, Scalar
+from holonom.trace.line import (
     BLOCK_FLAGS,
     SCALAR_FLAGS,
     Field,
@@ -22,7 +23,6 @@ from holonom.trace.emit import (
     stores,
     straight_line,
 )
-from holonom.trace.graph import Graph, Op, Scalar
 
 __all__ = ["Lanes", "lanes_of"]
 

@@ -16,7 +16,7 @@ from llvmlite import ir
 from numba import types
 
 from holonom.trace.elementary import ELEMENTARY, parameters, traced
-from holonom.trace.emit import operand, straight_line
+from holonom.trace.line import operand, straight_line
 from holonom.trace.transpose import itemsize, load_columns, splat, store_columns
 
 __all__ = ["lower"]
