@@ -1,5 +1,6 @@
 """Laws of differential motion and statics."""
 
+import gc
 import sys
 import weakref
 
@@ -179,7 +180,7 @@ def _same(found, wanted):
         assert type(found) is type(wanted)
         for a, b in zip(found, wanted, strict=True):
             _same(a, b)
-    elif isinstance(found, str | bool):
+    elif isinstance(found, str | bool | None):
         assert found == wanted
     else:
         np.testing.assert_allclose(np.abs(found), np.abs(wanted), rtol=1e-7, atol=1e-9)
@@ -216,7 +217,7 @@ def test_bases_are_those_of_the_jacobian(arms):
             np.testing.assert_allclose(L @ J, 0.0, atol=1e-6)
             np.testing.assert_allclose(J @ N, 0.0, atol=1e-6)
             np.testing.assert_allclose(singular_values(arm, q), s, atol=1e-14 * s[0])
-            least = singularities(arm, q)[0].direction
+            least = singularities(arm, q, tolerance=9.0)[0].direction
             assert np.linalg.norm(least @ J) == pytest.approx(s[-1], abs=1e-14)
             for part, rows in (("translation", J[:3]), ("rotation", J[3:])):
                 fast, strong = velocity_ellipsoid(arm, q, part), force_ellipsoid(arm, q, part)
@@ -240,17 +241,39 @@ def test_joint_rates_are_the_sum_over_singular_values(arms, damping):
             np.testing.assert_allclose(rows, [wanted, wanted], rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.parametrize("name", ["puma560", "ur5e", "panda"])
+def test_singularities_one_by_one_and_in_general(name):
+    """Compiled, and the way that lists go; only what is near has a direction, and those share one."""
+    arm = load_arm(name)
+    for q in _configurations(arm):
+        for tolerance in (0.0, 0.02, 0.3, 9.0):
+            found, wanted = (singularities(arm, x, tolerance=tolerance) for x in (q, q.tolist()))
+            assert [case[:1] + case[2:3] for case in found] == [case[:1] + case[2:3] for case in wanted]
+            np.testing.assert_allclose([c.value for c in found], [c.value for c in wanted], rtol=0.0, atol=1e-14)
+            assert all((case.direction is not None) == case.near == (abs(case.value) < tolerance) for case in found)
+            for case, other in zip(found, wanted, strict=True):
+                if case.near:
+                    assert abs(case.direction @ other.direction) == pytest.approx(1.0, abs=1e-9)
+
+
 def test_singularities_are_new_each_time_and_share_one_direction(arm):
-    first, again = singularities(arm, Q), singularities(arm, Q)
+    first, again = (singularities(arm, Q, tolerance=9.0) for _ in range(2))
     assert type(first) is tuple
     assert all(case.direction is first[0].direction for case in first)
     assert first[0].direction is not again[0].direction
     assert [type(x) for x in first[0]] == [str, float, bool, np.ndarray]
     assert [abs(case.value) for case in first] == sorted(abs(case.value) for case in first)
+    assert [type(x) for x in singularities(arm, Q)[0]] == [str, float, bool, type(None)]
 
 
-def test_singularities_are_let_go(arm):
-    held = sys.getrefcount(Singularity)
-    direction = weakref.ref(singularities(arm, Q)[0].direction)
-    assert direction() is None
+@pytest.mark.parametrize("tolerance", [0.02, 9.0])
+def test_singularities_are_let_go(arm, tolerance):
+    singularities(arm, Q, tolerance=tolerance)
+    gc.collect()
+    held, none = sys.getrefcount(Singularity), sys.getrefcount(None)
+    for _ in range(1000):
+        singularities(arm, Q, tolerance=tolerance)
     assert sys.getrefcount(Singularity) == held
+    assert abs(sys.getrefcount(None) - none) < 500
+    direction = weakref.ref(singularities(arm, Q, tolerance=9.0)[0].direction)
+    assert direction() is None

@@ -156,11 +156,9 @@ def singularities(arm: Arm, q: ArrayLike, *, tolerance: float = 0.02) -> tuple[S
         return nearest
     U, s, _ = svd.svd(_one(arm, q))
     values = arm.calls["singularity_measures"](q).tolist() if measures else [float(s[-1])]
-    names = [like.name for like in likes[1]]
-    direction = U[:, len(s) - 1].copy()
-    found = [
-        Singularity(name, value, abs(value) < tolerance, direction) for name, value in zip(names, values, strict=True)
-    ]
+    lost = U[:, len(s) - 1].copy()
+    cases = [(like.name, value, abs(value) < tolerance) for like, value in zip(likes[1], values, strict=True)]
+    found = [Singularity(name, value, near, lost if near else None) for name, value, near in cases]
     return tuple(sorted(found, key=lambda s: abs(s.value)))
 
 
@@ -168,7 +166,7 @@ def _singularities_prepared(arm: Arm) -> Prepared:
     named = measures_of(arm.model) is not None
     address = arm.kernel("singularity_measures").address if named else 0
     names, direction = NAMED if named else ("smallest singular value",), np.empty(6)
-    each = tuple(Singularity(name, np.nan, False, direction) for name in names)
+    each = tuple(Singularity(name, np.nan, False, None) for name in names)
     return singularities_at(), plan_of(arm), (address, (each, each, direction))
 
 

@@ -233,25 +233,29 @@ def singularities_at(plan: Any, q: Any, tolerance: float, measures: int, likes: 
     measures
         Address of the kernel of the named ones, or 0: then the smallest singular value is the only one.
     likes
-        A tuple of as many; a singularity for each name; a direction.
+        A tuple of as many; of each name a singularity that is not near, without a direction; a direction.
     """
     J, room, values = scratch(ROOM), scratch(ROOM), scratch(4)
     if not (fits(plan) and fits(q) and given_jacobian(array_of(plan), array_of(q), J)):
         return nothing(entry(likes, 0))
     A = _part(array_of(plan), J)
     m, n = A.shape
-    k = min(m, n)
+    k, rank, count, near = min(m, n), 0, 3, False
     s, rows = J[ROOM - k :], J[ROOM - m - m * m : ROOM - m].reshape(m, m)
-    rank = decompose(A, room, s, m <= n)
-    _left_after(A, room, rank, k - 1, rows)
-    count = 1
-    values[0] = s[k - 1]
     if measures != 0:
-        count = 3
         call_kernel(measures, array_of(q), values)
-    result, direction = made_like(entry(likes, 0)), made_like(entry(likes, 2))
+    else:
+        count, rank = 1, decompose(A, room, s, m <= n)
+        values[0] = s[k - 1]
+    for i in range(count):
+        near = near or abs(values[i]) < tolerance
+    result = made_like(entry(likes, 0))
+    direction = made_like(entry(likes, 2)) if near else nothing(entry(likes, 2))
     whole = exists(result) and exists(direction)
-    if whole:
+    if near and whole:
+        if measures != 0:
+            rank = decompose(A, room, s, m <= n)
+        _left_after(A, room, rank, k - 1, rows)
         array_of(direction)[:] = rows[k - 1]
     for place in range(count):
         nearest = 0
@@ -261,8 +265,10 @@ def singularities_at(plan: Any, q: Any, tolerance: float, measures: int, likes: 
         if whole:
             value = values[nearest]
             one = made_like(entry(entry(likes, 1), nearest))
-            whole = exists(one) and put(one, 1, value) and put(one, 2, abs(value) < tolerance)
-            whole = whole and put(one, 3, direction) and put(result, place, one)
+            whole = exists(one) and put(one, 1, value)
+            if whole and abs(value) < tolerance:
+                whole = put(one, 2, True) and put(one, 3, direction)
+            whole = whole and put(result, place, one)
             release(one)
         values[nearest] = np.inf
     release(direction)

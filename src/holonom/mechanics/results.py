@@ -75,11 +75,11 @@ class Ellipsoid(NamedTuple):
 class Singularity(NamedTuple):
     """How near an arm is to a singularity.
 
-    `value` is 0 at it (a length in m, the sine of an angle, or a singular value); `direction` (6,) is the unit twist
-    [v; w] in the world that is lost there, or would be lost first.
+    `value` is 0 at it (a length in m, the sine of an angle, or a singular value). Of one that is `near`, `direction`
+    (6,) is the unit twist [v; w] in the world that is lost there: along it the tool is moved the least. Else None.
     """
 
     name: str
     value: float
     near: bool
-    direction: Array
+    direction: Array | None
