@@ -358,6 +358,9 @@ def test_bad_input_is_named(panda):
         solve_inverse(panda, T, weights=np.ones(6), weights_frame="base")
     with pytest.raises(ShapeError, match="six numbers"):
         solve_inverse(panda, T, weights=np.zeros(6), weights_frame="tool")
+    assert solve_inverse(panda, T, weights=np.ones(6), weights_frame="tool").status == InverseStatus.OK
+    with pytest.raises(ShapeError, match="six numbers"):  # also where the same numbers in a row were right before
+        solve_inverse(panda, T, weights=np.ones((2, 3)), weights_frame="tool")
     with pytest.raises(InputError, match="tolerance"):
         solve_inverse(panda, T, tolerance=0.0)
     with pytest.raises(InputError, match="restarts"):

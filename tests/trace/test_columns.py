@@ -5,7 +5,7 @@ import ctypes
 import numpy as np
 import pytest
 
-from holonom.errors import ShapeError
+from holonom.errors import InputError, ShapeError
 from holonom.trace import compile, sin
 
 
@@ -97,3 +97,20 @@ def test_columns_that_do_not_fit_are_refused():
         compile(_start, {"a": 2, "b": 3}, {"X": (5, 3), "y": 4}, name="uneven", columns=_column)
     with pytest.raises(ShapeError, match="4 numbers; 5 came"):
         compile(_start, {"a": 2, "b": 3}, {"X": (4, 3), "y": 3}, name="short", columns=_column)
+
+
+@pytest.mark.parametrize(("given", "found"), [("k", "x"), ("x", "k"), ("n", "i"), ("s", "left")])
+def test_names_are_free_in_columns(given, found):
+    """As are all that the text of a loop does not use itself."""
+    kernel = compile(
+        lambda a: ([a[0]], [*range(1, 18)]),
+        {given: 1},
+        {found: (1, 17)},
+        name="named",
+        columns=lambda s, own: [s[0] * own[0]],
+    )
+    a = np.arange(1.0, 21.0)[:, None]
+    np.testing.assert_array_equal(kernel(a[2])[0], 3.0 * np.arange(1, 18))
+    np.testing.assert_array_equal(kernel(a)[:, 0], a * np.arange(1, 18))
+    with pytest.raises(InputError, match="cannot be the name of an input or output"):
+        compile(lambda a: a, {"nth": 1}, {"y": 1}, name="taken")

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 import functools
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -25,7 +25,6 @@ from holonom.trace import Kernel, real_array
 __all__ = ["Arm", "IkCase", "IkNearest", "IkResult", "IkStatus", "Limits"]
 
 Array = NDArray[np.float64]
-Made = TypeVar("Made")
 CHUNK = 4096
 """Rows that are looked at together, so that a batch takes no more memory than its result."""
 
@@ -53,7 +52,7 @@ class _Inverse:
 
 
 class Prepared(dict[Any, Any]):
-    """What verbs prepare for an arm once: `prepared[build, option]` is what `build(arm, option)` gave."""
+    """What is prepared for an arm once, kernels too: `prepared[build, option]` is what `build(arm, option)` gave."""
 
     def __init__(self, arm: Arm) -> None:
         super().__init__()
@@ -71,8 +70,8 @@ class Arm:
     One sample, or rows of C-contiguous float64, go the fast way.
 
     `threads=` shares a batch; `out=` takes a result array. Kernels are compiled on first use and cached on disk;
-    `kernel(name)` hands one out for the fastest repeated calls. `calls` holds those of the verbs, `prepared` what else
-    they need for one configuration.
+    `kernel(name)` hands one out for the fastest repeated calls. `calls` holds those of the verbs, `prepared` all that
+    they need more than once.
     """
 
     def __init__(self, model: ArmModel) -> None:
@@ -80,7 +79,6 @@ class Arm:
         self.n = len(model.independent)
         self.calls = Calls(self.kernel)
         self.prepared = Prepared(self)
-        self._made: dict[Hashable, Any] = {}
 
     def __reduce__(self) -> tuple[type[Arm], tuple[ArmModel]]:
         return Arm, (self.model,)  # a copy, or another process, compiles for itself
@@ -141,13 +139,7 @@ class Arm:
         chosen = {**OPTIONS.get(name, {}), **options}
         if chosen.get("friction", 0) is None:
             chosen["friction"] = any(joint.friction is not None for joint in self.model.joints)
-        return self.made((name, *sorted(chosen.items())), lambda: make_kernel(name, self.model, chosen))
-
-    def made(self, key: Hashable, make: Callable[[], Made]) -> Made:
-        """What `make` made for this arm when `key` was first asked for: verbs keep here what they prepare."""
-        if key not in self._made:
-            self._made[key] = make()
-        found: Made = self._made[key]
+        found: Kernel = self.prepared[_kernel, name, *sorted(chosen.items())]
         return found
 
     def fk(self, q: ArrayLike, frame: str = "tool", *, out: Array | None = None, threads: int = 1) -> Array:
@@ -363,6 +355,10 @@ class Arm:
         """Torques that hold the arm at rest: (..., n) N m."""
         result: Array = self.calls["gravity"](q, out=out, threads=threads)
         return result
+
+
+def _kernel(arm: Arm, name: str, *options: tuple[str, Any]) -> Kernel:
+    return make_kernel(name, arm.model, dict(options))
 
 
 def _points(T: ArrayLike) -> Array:

@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 __all__ = [
     "LOST",
     "PLAN",
-    "ROOM",
     "Prepared",
     "asked_for",
     "ellipsoid_at",
@@ -36,7 +35,6 @@ __all__ = [
     "lost_directions_at",
     "nullspace_at",
     "plan_of",
-    "room_for",
     "singular_values_at",
     "singularities_at",
 ]

@@ -100,23 +100,36 @@ def solve_inverse(
     -----
     Damping proportional to the squared error: Chan & Lawrence, ICRA 1988; Sugihara, IEEE T-RO 27 (2011).
     """
-    counted = None if weights is None else tuple(np.ravel(weights).tolist())
-    asked = (solve_inverse, limits, tolerance, restarts, steps, counted, weights_frame, criterion, seed)
-    solver = arm.made(
-        asked,
-        lambda: inverse_solver(
-            arm,
-            limits=limits,
-            tolerance=tolerance,
-            restarts=restarts,
-            steps=steps,
-            weights=weights,
-            weights_frame=weights_frame,
-            criterion=criterion,
-            seed=seed,
-        ),
-    )
+    counted = None if weights is None else (np.shape(weights), tuple(np.ravel(weights).tolist()))
+    solver: InverseSolver = arm.prepared[
+        _solver, limits, tolerance, restarts, steps, counted, weights_frame, criterion, seed
+    ]
     return solver(T, q0, preferred=preferred, threads=threads)
+
+
+def _solver(
+    arm: Arm,
+    limits: bool,
+    tolerance: float,
+    restarts: int,
+    steps: int,
+    weights: tuple[tuple[int, ...], tuple[float, ...]] | None,
+    weights_frame: str | None,
+    criterion: str | Criterion | None,
+    seed: int,
+) -> InverseSolver:
+    """What `solve_inverse` keeps for an arm; weights: their shape and the numbers in a row."""
+    return inverse_solver(
+        arm,
+        limits=limits,
+        tolerance=tolerance,
+        restarts=restarts,
+        steps=steps,
+        weights=None if weights is None else np.reshape(weights[1], weights[0]),
+        weights_frame=weights_frame,
+        criterion=criterion,
+        seed=seed,
+    )
 
 
 _NONE = np.empty(0)

@@ -9,8 +9,9 @@ import numpy as np
 from numba import float64, njit
 from numpy.typing import NDArray
 
-from holonom.mechanics.decomposition_kernels import PLAN, ROOM, asked_for, given_jacobian, room_for
+from holonom.mechanics.decomposition_kernels import PLAN, asked_for, given_jacobian
 from holonom.mechanics.jacobi_kernels import COLUMN, FACTOR, SQUARE, laid_out, orthogonalise, slot
+from holonom.mechanics.svd_kernels import ROOM, room_for
 from holonom.trace.compiled import select
 from holonom.trace.direct import ArrayObject, array_of, fits, scratch
 from holonom.trace.results import exists, made_like, nothing

@@ -67,8 +67,8 @@ class Columns:
             + self.text(outputs, lanes, across=True)
             + f'@njit(inline="always")\ndef straight_line({given}, {taken}):\n'
             + "".join(f"    {f.name} = scratch({f.width})\n" for f in self.given)
-            + f"    line({', '.join(arguments)})\n    for k in range(0, {self.count}, {lanes}):\n"
-            + f"        column(shared, own, {taken}, min(k, {self.count - lanes}))\n\n\n"
+            + f"    line({', '.join(arguments)})\n    for nth in range(0, {self.count}, {lanes}):\n"
+            + f"        column(shared, own, {taken}, min(nth, {self.count - lanes}))\n\n\n"
         )
 
 

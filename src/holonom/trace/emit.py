@@ -41,7 +41,7 @@ from holonom.trace.transpose import across
 
 '''
 WORDS = """branch buf check column finite first last like line made min own place places pointer range result rows
- shared single spread start straight_line whole RESULT"""
+ nth shared single spread start straight_line whole RESULT"""
 TAKEN = frozenset(re.findall(r"\w+", MODULE)) | frozenset(WORDS.split())
 """Names that the text of a module uses itself: no input or output may have one."""
 
@@ -145,12 +145,12 @@ def _samples(
     if columns is not None:
         arguments = ["shared", "own", *(f.name for f in found)]
         text += columns.text(found, lanes, across=False)
-        steps += [f"for k in range({columns.count}):", f"    column({', '.join(arguments)}, k)"]
+        steps += [f"for nth in range({columns.count}):", f"    column({', '.join(arguments)}, nth)"]
     for f, name in zip(found, taken, strict=True):
         size = next(size for size in TOGETHER if size <= f.width)
         steps += [
-            f"for k in range(0, {f.width}, {size}):",
-            f"    across({f.name}, {name}, place, min(k, {f.width - size}), {f.width}, {size}, {lanes})",
+            f"for nth in range(0, {f.width}, {size}):",
+            f"    across({f.name}, {name}, place, min(nth, {f.width - size}), {f.width}, {size}, {lanes})",
         ]
     room = [f"{f.name} = np.empty({lanes * f.width})" for f in dict.fromkeys((*left, *found))]
     lines = "".join(f"    {step}\n" for step in (*room, *steps, "return check"))
