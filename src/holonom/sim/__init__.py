@@ -12,16 +12,16 @@
 =====================  ===========================================================
 """
 
-from holonom.sim.arm.dry import DryMachine, Problem
-from holonom.sim.arm.machine import PROGRAM_TICK, SimulatedMachine
-from holonom.sim.arm.motions import LineSettings, branch_joints
+from holonom.machine.arm.dry import DryMachine, Problem
+from holonom.machine.arm.machine import PROGRAM_TICK, SimulatedMachine
+from holonom.machine.arm.motions import LineSettings, branch_joints
 from holonom.sim.arm.plant import CONTROLLERS, ControlSettings, Ground, Plant
 from holonom.sim.arm.world import Disc, Gripper, Surface, World
 from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch
-from holonom.sim.base.log import BaseLog
-from holonom.sim.base.paths import PATHS, PathLimits, ReferencePath, plan_path, waypoints
+from holonom.closed_loop.base_log import BaseLog
+from holonom.machine.base.paths import PATHS, PathLimits, ReferencePath, plan_path, waypoints
 from holonom.sim.base.plant import BaseDrive, BasePlant
-from holonom.sim.base.simulation import BaseFault, BaseSensors, BaseSettings, Creep, simulate_base, slip_settings
+from holonom.closed_loop.base import BaseFault, BaseSensors, BaseSettings, Creep, simulate_base, slip_settings
 
 __all__ = [
     "CARPET",

@@ -16,8 +16,8 @@ from holonom.mobile.base import WheelBase
 from holonom.mobile.wheel import Wheel
 from holonom.sim.base.floor import Floor, floor_table
 from holonom.sim.base.kernels import BLOCKED, DEAD, GRAVITY
-from holonom.sim.base.log import BaseLog, log_of
-from holonom.sim.base.loop import drive_open
+from holonom.closed_loop.base_log import BaseLog, log_of
+from holonom.closed_loop.base_kernels import drive_open
 from holonom.sim.base.records import (
     BODY,
     BODY_SAMPLE,

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from holonom.errors import MotionError
 from holonom.mechanics import Arm
-from holonom.sim.arm.machine import PROGRAM_TICK
-from holonom.sim.arm.motions import LineSettings, MotionRequest, plan
+from holonom.machine.arm.machine import PROGRAM_TICK
+from holonom.machine.arm.motions import LineSettings, MotionRequest, plan
 
 __all__ = ["DryMachine", "Problem"]
 

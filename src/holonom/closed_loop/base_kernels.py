@@ -30,7 +30,7 @@ from holonom.mobile.drive.slip_kernels import SlipParams, SlipState, slip_start,
 from holonom.sim.base.kernels import break_motor, find_material, plant_steps
 from holonom.sim.base.log_kernels import log_body, log_reference, log_wheels
 from holonom.sim.base.records import FLAGGED, HELD, LOST, STATUS
-from holonom.sim.base.wheel_kernels import (
+from holonom.machine.base.wheel_kernels import (
     control_traction,
     creep,
     drive_wheels,

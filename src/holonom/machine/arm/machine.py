@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from holonom.errors import DriveFault
 from holonom.mechanics.motion import Trajectory, splice, stop
 from holonom.signals import DriveState, Event, FramePoses, JointCommand, JointState, Signal, Sink
-from holonom.sim.arm.motions import LineSettings, MotionRequest, plan
+from holonom.machine.arm.motions import LineSettings, MotionRequest, plan
 from holonom.sim.arm.plant import TICK, Plant
 from holonom.sim.arm.world import World
 

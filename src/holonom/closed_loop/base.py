@@ -20,9 +20,9 @@ from holonom.mobile.drive.slip_kernels import BOUND, SlipParams
 from holonom.signals import Event
 from holonom.sim.base.floor import Floor
 from holonom.sim.base.kernels import GRAVITY
-from holonom.sim.base.log import BaseLog, log_of
-from holonom.sim.base.loop import CUT_OFF, DONE, STOPPED, LoopParams, SensorParams, run_loop
-from holonom.sim.base.paths import ReferencePath
+from holonom.closed_loop.base_log import BaseLog, log_of
+from holonom.closed_loop.base_kernels import CUT_OFF, DONE, STOPPED, LoopParams, SensorParams, run_loop
+from holonom.machine.base.paths import ReferencePath
 from holonom.sim.base.plant import FAULTS, TICK, BaseDrive, BasePlant
 from holonom.sim.base.records import BODY_SAMPLE, WHEEL_SAMPLE
 from holonom.trace.simd import WIDTH

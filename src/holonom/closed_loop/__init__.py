@@ -1,0 +1,3 @@
+"""Being moved here from `holonom.sim`."""
+
+__all__: list[str] = []
