@@ -1,3 +1,16 @@
-"""Being moved here from `holonom.sim`."""
+"""Closed loops: a controller (`holonom.machine`) and a simulated plant (`holonom.sim`), which do not know each other.
 
-__all__: list[str] = []
+=====================  ===========================================================
+`BaseLoop`             a base, stepped or in whole buffers: the same bits
+`simulate_base`        a base on a path, with its motors, slip and faults: `BaseLog`
+`ArmLoop`              an arm with servos and drives, along references
+`SimulatedArm`         the same with its hand and work pieces, behind `lang.Machine`
+=====================  ===========================================================
+"""
+
+from holonom.closed_loop.arm import SimulatedArm
+from holonom.closed_loop.arm_loop import ArmLoop
+from holonom.closed_loop.base import BaseLoop, simulate_base
+from holonom.closed_loop.base_log import BaseLog
+
+__all__ = ["ArmLoop", "BaseLog", "BaseLoop", "SimulatedArm", "simulate_base"]

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.closed_loop.base_kernels import LogBuffer
 from holonom.mobile.drive.slip import SlipStatus
 from holonom.signals import Event
-from holonom.sim.base.records import BODY_GROUPS, FLAGGED, HELD, LOST, STATUS
+from holonom.sim.base.log import columns, truth_of
 
 __all__ = ["BaseLog", "log_of"]
 
@@ -37,6 +38,10 @@ class BaseLog:
         (N, 3) as asked for at that time.
     rate
         (N,) part of the path's speed at which it is driven; below 1 once motors are lost that it would need.
+    wheel_angles
+        (N, m) rad, true.
+    counts
+        (N, m) of the encoders, extended to 64 bits.
     wheel_speeds, measured_speeds, reference_speeds
         (N, m) of the wheels, rad/s: true, by the encoders' observers, commanded.
     currents, measured_currents, voltages
@@ -73,6 +78,8 @@ class BaseLog:
     reference_pose: Array
     reference_twist: Array
     rate: Array
+    wheel_angles: Array
+    counts: NDArray[np.int64]
     wheel_speeds: Array
     measured_speeds: Array
     reference_speeds: Array
@@ -118,62 +125,60 @@ class BaseLog:
 
 def log_of(
     time: Array,
-    body: NDArray[np.void],
-    wheels: NDArray[np.void],
-    said: NDArray[np.int64],
+    log: LogBuffer,
     names: Sequence[str],
-    told: Sequence[Event] = (),
+    told: Sequence[Event],
+    residual: Array,
     *,
-    residual: Array | None = None,
     ended: str = "done",
     driven: float = 1.0,
 ) -> BaseLog:
-    """Arrays and events from the records of the compiled loop.
+    """Arrays and events from the buffer of the compiled loop.
 
-    `told` are events that the caller knows of; `residual` (m, m) is `1 - D D^+` times the wheels' radii (zero without).
+    `told` are events that the caller knows of; `residual` (m, m) is `1 - D D^+` times the wheels' radii.
     """
-    status = np.ascontiguousarray(said[:, STATUS])
-    named, dead, jammed = (_members(said[:, column], len(names)) for column in (FLAGGED, LOST, HELD))
+    m, said = len(names), log.said
+    truth = truth_of(time, log.body, log.wheels, m)
+    measured, reference, shunts, counts = (log.seen[:, row, :m] for row in range(4))
+    status = said["status"].astype(np.int64)
+    flagged = said["flagged"].astype(np.int64)
+    named, dead, jammed = (_members(said[name].astype(np.int64), m) for name in ("flagged", "dead", "jams"))
     events = [
         *told,
-        *_slip_events(time, status, said[:, FLAGGED], named, names),
-        *_lost_events(time, dead, jammed, body["rate"], names),
+        *_slip_events(time, status, flagged, named, names),
+        *_lost_events(time, dead, jammed, said["ref_rate"], names),
     ]
-    of_wheels = {name: wheels[name].reshape(len(wheels), -1)[:, : len(names)] for name in wheels.dtype.names or ()}
-    columns = body.view(np.float64).reshape(len(body), -1)
-    groups, first = {}, 0
-    for name, fields in BODY_GROUPS.items():
-        groups[name] = columns[:, first : first + len(fields)]
-        first += len(fields)
     return BaseLog(
         time=time,
         wheels=tuple(names),
-        pose=groups["pose"],
-        twist=groups["twist"],
-        estimated_pose=groups["estimated_pose"],
-        estimated_twist=groups["estimated_twist"],
-        reference_pose=groups["reference_pose"],
-        reference_twist=groups["reference_twist"],
-        rate=groups["rate"][:, 0],
-        wheel_speeds=of_wheels["speed"],
-        measured_speeds=of_wheels["measured_speed"],
-        reference_speeds=of_wheels["reference_speed"],
-        currents=of_wheels["current"],
-        measured_currents=of_wheels["measured_current"],
-        voltages=of_wheels["voltage"],
-        forces=of_wheels["force"],
-        cross_forces=of_wheels["cross_force"],
-        loads=of_wheels["load"],
-        friction_limits=of_wheels["friction_limit"],
-        slip=of_wheels["slip"],
-        residuals=of_wheels["measured_speed"] @ (np.zeros((len(names),) * 2) if residual is None else residual.T),
+        pose=truth.pose,
+        twist=truth.twist,
+        estimated_pose=columns(said, "seen_x", "seen_y", "seen_theta"),
+        estimated_twist=columns(said, "seen_vx", "seen_vy", "seen_w"),
+        reference_pose=columns(said, "ref_x", "ref_y", "ref_theta"),
+        reference_twist=columns(said, "ref_vx", "ref_vy", "ref_w"),
+        rate=said["ref_rate"],
+        wheel_angles=truth.wheel_angles,
+        counts=counts.astype(np.int64),
+        wheel_speeds=truth.wheel_speeds,
+        measured_speeds=measured,
+        reference_speeds=reference,
+        currents=truth.currents,
+        measured_currents=shunts,
+        voltages=truth.voltages,
+        forces=truth.forces,
+        cross_forces=truth.cross_forces,
+        loads=truth.loads,
+        friction_limits=truth.friction_limits,
+        slip=truth.slip,
+        residuals=measured @ residual.T,
         status=status,
         named=named,
         dead=dead,
         jammed=jammed,
-        gyro=body["gyro"],
-        acceleration=groups["acceleration"],
-        energy=groups["energy"],
+        gyro=said["gyro"],
+        acceleration=columns(said, "imu_x", "imu_y"),
+        energy=truth.energy,
         events=tuple(sorted(events, key=lambda event: event.time)),
         ended=ended,
         driven=driven,

@@ -1,61 +1,34 @@
-"""The simulated cell and the simulated base: plant, clock, work pieces, and the machines a program can drive.
+"""Simulated plants: an arm and a mobile base with drives and sensors, work pieces, floors. No controller is here.
 
 =====================  ===========================================================
-`Plant`                an arm with drives, encoders and servo loops
+`ArmPlant`             an arm with drives and encoders
 `World`                table, tray, parts and the gripper
-`SimulatedMachine`     all of it behind `lang.Machine`
-`DryMachine`           the same without dynamics, for off-line checks
-`branch_joints`        where a motion to a tool pose ends
-`simulate_base`        a mobile base on a path, with its motors, slip and faults: `BaseLog`
-`BasePlant`            its plant: `BaseDrive`, on a `Floor` of `Material` with patches
-`plan_path`            a reference for it, along `PATHS` or `waypoints`
+`BasePlant`            a mobile base on a `Floor` of `Material` with patches; `BaseFault` breaks its motors
+`BaseTruth`            what was true of it
 =====================  ===========================================================
 """
 
-from holonom.machine.arm.dry import DryMachine, Problem
-from holonom.machine.arm.machine import PROGRAM_TICK, SimulatedMachine
-from holonom.machine.arm.motions import LineSettings, branch_joints
-from holonom.sim.arm.plant import CONTROLLERS, ControlSettings, Ground, Plant
+from holonom.sim.arm.plant import ArmPlant, AxisDrive, Ground
 from holonom.sim.arm.world import Disc, Gripper, Surface, World
 from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch
-from holonom.closed_loop.base_log import BaseLog
-from holonom.machine.base.paths import PATHS, PathLimits, ReferencePath, plan_path, waypoints
-from holonom.sim.base.plant import BaseDrive, BasePlant
-from holonom.closed_loop.base import BaseFault, BaseSensors, BaseSettings, Creep, simulate_base, slip_settings
+from holonom.sim.base.log import BaseTruth
+from holonom.sim.base.plant import BaseFault, BasePlant
 
 __all__ = [
     "CARPET",
-    "CONTROLLERS",
     "ICE",
-    "PATHS",
-    "PROGRAM_TICK",
-    "BaseDrive",
+    "ArmPlant",
+    "AxisDrive",
     "BaseFault",
-    "BaseLog",
     "BasePlant",
-    "BaseSensors",
-    "BaseSettings",
-    "ControlSettings",
-    "Creep",
+    "BaseTruth",
     "Disc",
-    "DryMachine",
     "Floor",
     "Gripper",
     "Ground",
-    "LineSettings",
     "Material",
-    "PathLimits",
-    "Plant",
-    "Problem",
     "RectangularPatch",
-    "ReferencePath",
     "RoundPatch",
-    "SimulatedMachine",
     "Surface",
     "World",
-    "branch_joints",
-    "plan_path",
-    "simulate_base",
-    "slip_settings",
-    "waypoints",
 ]

@@ -1,3 +1,3 @@
-"""Being moved here from `holonom.sim`."""
+"""The controller of an arm: motions, their queue, servo loops."""
 
 __all__: list[str] = []

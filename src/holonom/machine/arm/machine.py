@@ -1,4 +1,4 @@
-"""`SimulatedMachine`: what an ARPS program moves when there is no hardware. It satisfies `lang.Machine`."""
+"""`ArmMachine`: what a program moves, behind `lang.Machine`: motions and servos, a hand, signals, a camera."""
 
 from __future__ import annotations
 
@@ -8,82 +8,96 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.errors import DriveFault
-from holonom.mechanics.motion import Trajectory, splice, stop
-from holonom.signals import DriveState, Event, FramePoses, JointCommand, JointState, Signal, Sink
-from holonom.machine.arm.motions import LineSettings, MotionRequest, plan
-from holonom.sim.arm.plant import TICK, Plant
-from holonom.sim.arm.world import World
+from holonom.errors import DriveFault, LevelFault, MotionError
+from holonom.machine.arm.clock import PROGRAM_TICK
+from holonom.machine.arm.motions import LineSettings, MotionRequest
+from holonom.machine.arm.queue import MotionQueue
+from holonom.machine.drives import ArmDrives, Hand
+from holonom.machine.levels import Levels
+from holonom.mechanics import Arm
+from holonom.signals import Event, Signal, Sink
 
-__all__ = ["PROGRAM_TICK", "SimulatedMachine"]
+__all__ = ["ArmMachine"]
 
 Array = NDArray[np.float64]
 
-PROGRAM_TICK = 0.01
-"""Interval of the program and of the recording, s."""
-SAMPLES = round(PROGRAM_TICK / TICK)
 SETTLED = {"fine": 2e-4, "coarse": 2e-3}
-"""Following error (rad) below which a motion counts as ended."""
+"""Following error (rad or m) below which a motion counts as ended."""
 SETTLED_SPEED = 0.02
-"""Joint speed (rad/s) below which the arm counts as standing."""
+"""Joint speed (rad/s or m/s), over a program tick, below which the arm counts as standing."""
 
 
-class SimulatedMachine:
-    """A plant with a trajectory queue, a hand, a camera and signals."""
+class ArmMachine:
+    """The controller of an arm, one program tick at a time.
+
+    Parameters
+    ----------
+    arm
+        Its model, on its base, with its tool.
+    drives
+        What follows the references.
+    hand
+        What it grasps with; None: it has none.
+    sink
+        Where events and signals go.
+    look
+        Takes a picture: the parts the camera sees now.
+    start, ready
+        Joints (n,) where it stands at first, and those of the READY position.
+    line
+        What 100 % means on straight lines.
+    levels
+        Periods of supervisor, model and servos.
+    observe
+        Called after each tick with the reference (3, n) of that instant: the recorder's moment.
+    """
 
     def __init__(
         self,
-        plant: Plant,
-        world: World,
+        arm: Arm,
+        drives: ArmDrives,
+        hand: Hand | None,
         sink: Sink,
         *,
         look: Callable[[], Sequence[Any]],
+        start: Array,
         ready: Array,
         line: LineSettings,
+        levels: Levels = Levels(),
+        observe: Callable[[Array], None] = lambda reference: None,
     ) -> None:
-        self.plant, self.world, self.line = plant, world, line
-        self.arm = plant.arm
-        self._sink, self._look, self._ready = sink, look, ready
-        self._planned = _standing(plant.q)
-        self._consumed = len(self._planned.q)
-        self._line_before = 0
-        self._blend = True
-        self._tolerance = "coarse"
+        self.arm, self.drives, self.hand = arm, drives, hand
+        self.queue = MotionQueue(arm, start, line, levels)
+        self._sink, self._look, self._ready, self._observe = sink, look, ready, observe
+        self._before = drives.position
+        self._samples = round(PROGRAM_TICK / levels.servo)
         self._parts: list[Any] = []
         self._signals: dict[int, bool] = {}
-        self._record(self._planned.q[-1], np.zeros(self.arm.n), np.zeros(self.arm.n))
 
     # --- what lang.Machine asks for -----------------------------------------------------------------------------
 
     def move(self, motion: MotionRequest) -> bool:
         """Take a motion, blended into the present one if both allow it; False while one is already waiting."""
-        if self.idle():
-            self._planned, self._consumed = plan(self.arm, self._planned.q[-1], motion, self.line), 0
-        elif self._blend and self._consumed >= self._planned.begin:
-            following = plan(self.arm, self._planned.q[-1], motion, self.line)
-            self._line_before = self.active_line
-            self._planned = splice(self._planned, self._consumed, following, self.arm.limits)
-            self._consumed = 0
-        else:
-            return False
-        self._blend, self._tolerance = motion.blend, motion.tolerance
-        return True
+        return self.queue.move(motion, idle=self.idle())
 
     def idle(self) -> bool:
         """Whether all motions have ended and the arm has settled."""
-        if self._consumed < len(self._planned.q):
+        if not self.queue.empty:
             return False
-        error = np.abs(self._planned.q[-1] - self.plant.states["position"]).max()
-        speed = np.abs(self.plant.states["speed"]).max()
-        return bool(error < SETTLED[self._tolerance] and speed < SETTLED_SPEED)
+        here = self.drives.position
+        moved = np.abs(here - self._before).max()
+        error = np.abs(self.queue.goal - here).max()
+        return bool(error < SETTLED[self.queue.tolerance] and moved < SETTLED_SPEED * PROGRAM_TICK)
 
     def set_hand(self, closed: bool) -> None:
         """Close or open the hand."""
-        self.world.send_hand(0.0 if closed else self.world.gripper.max_opening)
+        if self.hand is None:
+            raise MotionError("this arm has no hand to close or open; give its cell a [gripper]")
+        self.hand.send(0.0 if closed else self.hand.max_opening)
 
     def hand_idle(self) -> bool:
         """Whether the fingers have arrived, at their opening or on a part."""
-        return self.world.hand_idle
+        return self.hand is None or self.hand.idle
 
     def set_signal(self, number: int, on: bool) -> None:
         """Switch a digital output."""
@@ -110,23 +124,23 @@ class SimulatedMachine:
 
     def destination(self) -> Array:
         """T_wt where the last commanded motion ends."""
-        return self.arm.fk(self._planned.q[-1].copy())
+        return self.arm.fk(self.queue.goal)
 
     def joints(self) -> Array:
-        """Present joint positions (n,)."""
-        return self.plant.q
+        """Measured joint positions (n,)."""
+        return self.drives.position
 
     def pose(self) -> Array:
-        """Present T_wt (4, 4)."""
-        return self.arm.fk(self.plant.q)
+        """Measured T_wt (4, 4)."""
+        return self.arm.fk(self.drives.position)
 
     def ready_joints(self) -> Array:
         """The READY position (n,)."""
         return self._ready
 
     def time(self) -> float:
-        """Simulated time, s."""
-        return self.plant.time
+        """Time of the drives' clock, s."""
+        return self.drives.time
 
     def say(self, text: str, line: int) -> None:
         """Log what TYPE says."""
@@ -141,83 +155,43 @@ class SimulatedMachine:
     @property
     def active_line(self) -> int:
         """Source line of the motion under way, 0 when standing."""
-        if self._consumed >= len(self._planned.q):
-            return 0
-        return self._planned.line if self._consumed >= self._planned.begin else self._line_before
+        return self.queue.active_line
 
     def advance(self) -> None:
         """Advance everything by one program tick.
 
         Raises
         ------
-        DriveFault, MotionError
-            An axis left its limits, or a finger hit a part.
+        DriveFault, LevelFault, MotionError
+            An axis left its limits, the supervisor failed, or a finger hit a part.
         """
-        self.plant.advance(self._next_samples())
+        self._follow()
         try:
-            for what in self.world.step(self.pose(), PROGRAM_TICK):
+            for what in self.hand.step(PROGRAM_TICK) if self.hand is not None else ():
                 self.log("info", "hand", what, self.active_line)
         finally:
-            self._record(*self._present_reference())
-        self.plant.payload = self.world.payload
+            self._observe(self.queue.present())
 
     def halt(self) -> None:
         """End the motion in a controlled way: brake along the path, or hold zero speed after a drive fault."""
-        rest = stop(self._planned, min(self._consumed, len(self._planned.q) - 1), self.arm.limits)
-        self._planned, self._consumed, self._blend = rest, 0, False
+        self.queue.brake()
         try:
-            while self._consumed < len(self._planned.q):
-                self.plant.advance(self._next_samples())
-                self._record(*self._present_reference())
-        except DriveFault:
+            while not self.queue.empty:
+                self._follow()
+                self._observe(self.queue.present())
+        except (DriveFault, LevelFault):
             self.brake()
 
     def brake(self, duration: float = 0.3) -> None:
         """Hold zero speed whatever the reference was."""
+        still = np.zeros(self.arm.n)
         for _ in range(round(duration / PROGRAM_TICK)):
-            self.plant.brake(SAMPLES)
-            here, still = self.plant.q, np.zeros(self.arm.n)
-            self._record(here, still, still)
-        self._planned = _standing(self.plant.q)
-        self._consumed = len(self._planned.q)
+            self._before = self.drives.position
+            self.drives.brake(self._samples)
+            self._observe(np.stack([self.drives.position, still, still]))
+        self.queue.place(self.drives.position)
 
-    def _next_samples(self) -> Array:
-        """The next 10 reference samples (3, 10, n); the last one is held."""
-        last = len(self._planned.q) - 1
-        k = np.minimum(np.arange(self._consumed, self._consumed + SAMPLES), last)
-        self._consumed = min(self._consumed + SAMPLES, last + 1)
-        return np.stack([self._planned.q[k], self._planned.qd[k], self._planned.qdd[k]])
-
-    def _present_reference(self) -> Array:
-        """The reference (3, n) of this instant: the sample that the next tick begins with."""
-        k = min(self._consumed, len(self._planned.q) - 1)
-        return np.stack([self._planned.q[k], self._planned.qd[k], self._planned.qdd[k]])
-
-    def _record(self, q: Array, qd: Array, qdd: Array) -> None:
-        now, states = self.time(), self.plant.states
-        put = self._sink.put
-        put(JointCommand(now, q, qd, qdd))
-        put(JointState(now, states["position"].copy(), states["speed"].copy(), states["torque"].copy()))
-        put(DriveState(now, states["current"].copy(), states["voltage"].copy()))
-        put(self.frames(now))
-
-    def frames(self, now: float) -> FramePoses:
-        """World poses of the links, the tool, the fingers and the parts."""
-        frames = self.arm.frames(self.plant.q)
-        tool = frames[-1]
-        names = [f"link{k + 1}" for k in range(self.arm.n)] + ["tool"]
-        poses = [*frames[1:-1], tool]
-        for name, side in (("finger_left", 0.5), ("finger_right", -0.5)):
-            finger = tool.copy()
-            finger[:3, 3] += side * self.world.opening * tool[:3, 1]
-            names.append(name)
-            poses.append(finger)
-        for disc in self.world.discs:
-            names.append(disc.name)
-            poses.append(disc.pose)
-        return FramePoses(now, tuple(names), np.stack(poses))
-
-
-def _standing(q: Array) -> Trajectory:
-    rest = np.zeros((1, q.shape[0]))
-    return Trajectory(TICK, q[None].copy(), rest, rest.copy())
+    def _follow(self) -> None:
+        """The reference of one program tick goes to the drives."""
+        self._before = self.drives.position
+        self.drives.advance(self.queue.take(self._samples))

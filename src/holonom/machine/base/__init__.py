@@ -1,3 +1,3 @@
-"""Being moved here from `holonom.sim`."""
+"""The controller of a mobile base: `controller` (the verb), `kernels` (its compiled step), `paths`, `settings`."""
 
 __all__: list[str] = []
