@@ -82,3 +82,12 @@ def test_bad_input() -> None:
         plan_path([[0, 0], [1, 0]], laps=2)
     with pytest.raises(OutOfLimits, match="acceleration"):
         PathLimits(acceleration=-1.0)
+
+
+@pytest.mark.parametrize("points", [[[0.0, 0.0], [0.4, 0.1], [0.8, 0.0]], [[0.0, 0.0], [1.7, 0.3]]])
+@pytest.mark.parametrize("heading", HEADINGS)
+def test_an_open_path_ends_where_its_last_point_is(points: list[list[float]], heading: str) -> None:
+    """Rounding may carry the distance beyond the length: the end is the end, not the start again."""
+    path = plan_path(points, PathLimits(0.8, 1.5), heading=heading)
+    np.testing.assert_allclose(path.pose[-1, :2], points[-1], atol=1e-9)
+    assert np.hypot(*np.diff(path.pose[:, :2], axis=0).T).max() < 1e-3

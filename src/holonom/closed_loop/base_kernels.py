@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from holonom.devices.drive_signals import WheelSignals
 from holonom.machine.base.kernels import RUNNING, control_step, path_ending, say
 from holonom.machine.base.params import BaseParams, BaseTask, Work
-from holonom.sim.base.kernels import BasePlantParams, advance
 from holonom.sim.base.log_kernels import log_body, log_wheels
+from holonom.sim.base.step_kernels import BasePlantParams, advance
 from holonom.trace.borrow import borrowed
 
 __all__ = ["LogBuffer", "joined", "run_logged", "run_ticks"]
@@ -99,3 +99,4 @@ def run_ticks(
     for k in range(len(noise)):
         control_step(params, task, signals, control, known, seen, work)
         advance(plant, body, wheels, signals, noise[k])
+    control[0].ended = path_ending(control[0], task.path)

@@ -19,16 +19,13 @@ __all__ = [
     "JAMMED",
     "OPEN",
     "WORKS",
-    "AxisShape",
     "EstimateParams",
     "KeepingParams",
     "Planar",
-    "ShapingParams",
     "Suspicion",
     "TractionParams",
     "WatchParams",
     "allocation",
-    "drivable_twist",
     "estimate_step",
     "feasible_rate",
     "force_part",
@@ -37,7 +34,6 @@ __all__ = [
     "line_keeping_step",
     "pose_step",
     "reference_at",
-    "shaping_step",
     "traction_step",
     "wanted_acceleration",
     "watch_step",
@@ -75,24 +71,6 @@ class KeepingParams(NamedTuple):
     max_turn_correction: float
     max_acceleration: float
     max_turn_acceleration: float
-
-
-class AxisShape(NamedTuple):
-    """Limits of one component of a twist: speed, acceleration, jerk (m/s, or rad/s, and their derivatives)."""
-
-    speed: float
-    acceleration: float
-    jerk: float
-
-
-class ShapingParams(NamedTuple):
-    """Following a twist that is asked for: s after which it is too old, limits of each component."""
-
-    dt: float
-    timeout: float
-    forwards: AxisShape
-    sideways: AxisShape
-    turning: AxisShape
 
 
 class EstimateParams(NamedTuple):
@@ -208,34 +186,6 @@ def line_keeping_step(
         before.turn + _clip(rate - before.turn, dt * params.max_turn_acceleration),
     )
     return command, Planar(reference[6], 0.0, reference[8]), Planar(0.0, 0.0, 0.0)
-
-
-@njit(cache=True, error_model="numpy")
-def drivable_twist(drivable: Floats, rows: Floats, twist: Planar, max_rim: float) -> Planar:
-    """Nearest twist that drags no wheel (`drivable` (3, 3) projects), no faster than the wheels reach (m/s)."""
-    x = drivable[0, 0] * twist.x + drivable[0, 1] * twist.y + drivable[0, 2] * twist.turn
-    y = drivable[1, 0] * twist.x + drivable[1, 1] * twist.y + drivable[1, 2] * twist.turn
-    turn = drivable[2, 0] * twist.x + drivable[2, 1] * twist.y + drivable[2, 2] * twist.turn
-    fastest = max_rim
-    for i in range(rows.shape[0]):
-        fastest = max(fastest, abs(rows[i, 0] * x + rows[i, 1] * y + rows[i, 2] * turn))
-    part = max_rim / fastest
-    return Planar(part * x, part * y, part * turn)
-
-
-@njit(cache=True, error_model="numpy")
-def shaping_step(dt: float, shape: AxisShape, speed: float, acceleration: float, goal: float) -> tuple[float, float]:
-    """Speed and acceleration one sample later on the way to a speed: within its limits, without overshoot.
-
-    The acceleration aims at the largest from which jerk `j` leads to rest at the goal, `a (a + j dt) = 2 j e`: time
-    optimal but for the last sample.
-    """
-    error = min(max(goal, -shape.speed), shape.speed) - speed
-    change = dt * shape.jerk
-    aim = math.sqrt(0.25 * change * change + 2.0 * shape.jerk * abs(error)) - 0.5 * change
-    aim = math.copysign(min(aim, shape.acceleration), error)
-    acceleration = min(max(aim, acceleration - change), acceleration + change)
-    return speed + dt * acceleration, acceleration
 
 
 @njit(cache=True, error_model="numpy")

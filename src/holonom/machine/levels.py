@@ -213,7 +213,7 @@ class PointBuffer:
 
     def _use_up(self) -> None:
         """The points have come to an end: at rest that is that; in motion the level above is at fault."""
-        moving = bool((np.abs(self.rate) > self.acceleration * self.levels.servo).any())
+        moving = bool((np.abs(self.rate) > self.acceleration * self.levels.supervisor).any())
         if not (moving or self._refused):
             self.state = LevelState.STANDING
             return

@@ -201,6 +201,7 @@ def _params(
     push = motor.torque_constant * gear.ratio * gear.efficiency / radii
     sliding = base.sliding_matrix()
     drivable = base.feasible(np.eye(3)).T
+    drivable[np.abs(drivable) < 1e-12] = 0.0
     return BaseParams(
         keeping=settings.keeping.params(TICK),
         shaping=settings.shaping.params(TICK),

@@ -15,16 +15,15 @@ from numpy.typing import NDArray
 from holonom.control.base_kernels import (
     EstimateParams,
     Planar,
-    drivable_twist,
     estimate_step,
     feasible_rate,
     keeping_step,
     line_keeping_step,
     pose_step,
     reference_at,
-    shaping_step,
     wanted_acceleration,
 )
+from holonom.control.velocity_kernels import drivable_twist, shaping_step
 from holonom.devices.drive_signals import WheelSignals
 from holonom.machine.base.params import BaseParams, BaseTask, Work
 from holonom.machine.base.wheel_kernels import (

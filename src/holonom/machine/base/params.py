@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.control.base_kernels import EstimateParams, KeepingParams, ShapingParams, TractionParams, WatchParams
+from holonom.control.base_kernels import EstimateParams, KeepingParams, TractionParams, WatchParams
+from holonom.control.velocity_kernels import ShapingParams
 from holonom.mobile.drive.slip_kernels import SlipParams
 
 __all__ = ["BaseParams", "BaseTask", "Work"]

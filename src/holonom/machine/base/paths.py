@@ -199,8 +199,9 @@ def _by_length(p: Array, closed: bool) -> tuple[CubicSpline, float]:
 
 
 def _on(curve: CubicSpline, s: Array, length: float, order: int) -> Array:
-    """Curve or a derivative of it (N, 2) at distances that may run over several laps."""
-    value: Array = curve(np.where(s > length, s % length, s), order)
+    """Curve or a derivative of it (N, 2) at distances that may run over several laps of a closed one."""
+    beyond = s % length if curve.extrapolate == "periodic" else length
+    value: Array = curve(np.where(s > length, beyond, s), order)
     return value
 
 

@@ -9,7 +9,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from holonom.devices.drive_signals import WheelSignals
-from holonom.sim.base.kernels import BasePlantParams, advance
+from holonom.sim.base.step_kernels import BasePlantParams, advance
 from holonom.trace.simd import WIDTH, packed
 
 __all__ = ["drive_open", "log_body", "log_wheels"]

@@ -15,10 +15,11 @@ from holonom.mobile.base import WheelBase
 from holonom.mobile.drive.base_drive import BaseDrive, BaseSensors, base_mass, load_shares
 from holonom.mobile.wheel import Wheel
 from holonom.sim.base.floor import Floor, floor_table
-from holonom.sim.base.kernels import BLOCKED, DEAD, BasePlantParams, SensorParams, sense
+from holonom.sim.base.kernels import BLOCKED, DEAD
 from holonom.sim.base.log import BaseTruth, truth_of
 from holonom.sim.base.log_kernels import drive_open
 from holonom.sim.base.records import BODY, BODY_SAMPLE, BODY_STATE, WHEEL, WHEEL_SAMPLE, WHEEL_STATE
+from holonom.sim.base.step_kernels import BasePlantParams, SensorParams, sense
 from holonom.trace.records import aligned_records, side_by_side
 from holonom.trace.simd import WIDTH
 

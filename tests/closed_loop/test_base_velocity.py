@@ -1,0 +1,197 @@
+"""A base that is driven by velocities: within limits, the nearest it can drive, and it stops when nobody speaks."""
+
+from __future__ import annotations
+
+import copy
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from simulated_bases import BASES, DRIVE
+
+from holonom.closed_loop import BaseLoop
+from holonom.control.shaping import ShapingSettings
+from holonom.control.velocity_kernels import AxisShape, shaping_step
+from holonom.errors import OutOfLimits, ShapeError
+from holonom.machine import BaseController, BaseSettings, PathLimits, plan_path
+from holonom.machine.base.kernels import DONE
+from holonom.machine.base.paths import figure_of_eight
+from holonom.sim import BasePlant
+
+SHAPING = ShapingSettings(
+    speed=1.0, acceleration=1.5, jerk=15.0, turn_rate=3.0, turn_acceleration=10.0, turn_jerk=100.0
+)
+
+
+def make(name: str = "omni 4", *, seed: int = 0, **shaping: float) -> BaseLoop:
+    base = BASES[name]
+    limits = ShapingSettings(**({f: getattr(SHAPING, f) for f in SHAPING.__dataclass_fields__} | shaping))
+    controller = BaseController(base, DRIVE, BaseSettings(shaping=limits))
+    loop = BaseLoop(controller, BasePlant(base, DRIVE, rng=np.random.default_rng(seed)))
+    loop.place((0.0, 0.0, 0.0))
+    return loop
+
+
+def run(loop: BaseLoop, twist: tuple[float, float, float], seconds: float) -> np.ndarray:
+    """Drive at 100 Hz; the true twists, one each 10 ms."""
+    out = []
+    for _ in range(round(100 * seconds)):
+        loop.controller.follow_velocity(twist)
+        loop.advance(10)
+        out.append(loop.plant.twist)
+    return np.array(out)
+
+
+@pytest.mark.parametrize("name", ["omni 4", "omni 3", "mecanum", "differential"])
+def test_it_follows(name: str) -> None:
+    loop, wanted = make(name), np.array([0.5, 0.3, 1.0])
+    if name == "differential":
+        wanted[1] = 0.0
+    reached = run(loop, tuple(wanted), 1.5)[-1]
+    assert (np.abs(reached - wanted) < [0.03, 0.03, 0.06]).all(), reached
+    assert np.hypot(*(loop.controller.pose - loop.plant.pose)[:2]) < 0.02
+
+
+@pytest.mark.parametrize("name", ["omni 4", "differential"])
+def test_limits_hold(name: str) -> None:
+    """The commanded twist keeps speed, acceleration and jerk whatever is asked for; the base follows it."""
+    loop, rng, said, twist = make(name), np.random.default_rng(3), [], np.zeros(3)
+    for k in range(3000):
+        if k % 10 == 0:
+            twist = rng.uniform(-3, 3, 3) * [1, 1, 4] if k % 300 == 0 else twist
+            loop.controller.follow_velocity(twist)
+        loop.advance(1)
+        state = loop.controller.state[0]
+        said.append([state[f"shaped_{n}"] for n in ("vx", "vy", "w")])
+    v = np.array(said)
+    for axis, (speed, acceleration, jerk) in enumerate([(1.0, 1.5, 15.0)] * 2 + [(3.0, 10.0, 100.0)]):
+        a = np.diff(v[:, axis]) / 1e-3
+        assert np.abs(v[:, axis]).max() <= speed + 1e-9
+        assert np.abs(a).max() <= acceleration + 1e-6
+        assert np.abs(np.diff(a)).max() / 1e-3 <= jerk + 1e-3
+    assert np.abs(v[:, 0]).max() > 0.2
+    if name == "differential":
+        assert (v[:, 1] == 0.0).all()
+
+
+@settings(max_examples=30)
+@given(start=st.floats(-2, 2), goal=st.floats(-2, 2))
+def test_a_speed_is_reached_without_overshoot(start: float, goal: float) -> None:
+    shape, v, a, dt = AxisShape(2.0, 3.0, 30.0), start, 0.0, 1e-3
+    seen = []
+    for _ in range(3000):
+        v, a = shaping_step(dt, shape, v, a, goal)
+        seen.append(v)
+    assert v == pytest.approx(goal, abs=1e-7)
+    low, high = min(start, goal), max(start, goal)
+    assert low - 1e-9 <= min(seen)
+    assert max(seen) <= high + 1e-9
+    distance = abs(goal - start)
+    least = 2 * np.sqrt(distance / 30.0) if distance < 9.0 / 30.0 else distance / 3.0 + 3.0 / 30.0
+    arrived = int(np.argmax(np.abs(np.array(seen) - goal) < 1e-3)) * dt
+    assert arrived <= least + 0.01, "time optimal, to some samples"
+
+
+def test_silence_stops_it() -> None:
+    loop = make()
+    run(loop, (0.5, 0.0, 0.0), 1.0)
+    loop.advance(150)
+    assert loop.plant.twist[0] > 0.45, "within the time-out it goes on"
+    loop.advance(800)
+    assert np.abs(loop.plant.twist).max() < 0.01
+    assert 0.5 < loop.plant.pose[0] < 1.0
+
+
+def test_it_drives_the_nearest_twist_and_no_faster_than_its_wheels() -> None:
+    loop = make("differential")
+    reached = run(loop, (0.4, 0.7, 0.0), 1.0)[-1]
+    np.testing.assert_allclose(reached, [0.4, 0.0, 0.0], atol=0.03)
+    fast = make(speed=50.0, acceleration=100.0, jerk=1e4)
+    fast.controller.follow_velocity((20.0, 10.0, 0.0))
+    fast.advance(150)
+    goal = np.array([fast.controller.state[0][f"shaped_{n}"] for n in ("vx", "vy")])
+    rims = fast.controller.params.rows[:, :2] @ goal
+    assert np.abs(rims).max() <= fast.controller.params.max_rim + 1e-9
+    assert goal[0] == pytest.approx(2.0 * goal[1], rel=1e-4), "its direction stays"
+
+
+@pytest.mark.parametrize("wrong", [(np.nan, 0, 0), (1, 2), "abc", (np.inf, 0, 0), None])
+def test_a_bad_twist_is_refused_and_the_last_one_stays(wrong: object) -> None:
+    loop = make()
+    loop.controller.follow_velocity((0.2, 0.0, 0.0))
+    with pytest.raises(ShapeError, match="three finite numbers"):
+        loop.controller.follow_velocity(wrong)
+    assert loop.controller.state["wanted_vx"][0] == 0.2
+
+
+def test_it_holds_its_place() -> None:
+    loop = make()
+    run(loop, (0.3, 0.2, 0.5), 1.0)
+    loop.controller.hold()
+    loop.advance(1500)
+    there = loop.plant.pose
+    loop.advance(1000)
+    assert np.abs(loop.plant.pose - there).max() < 2e-3
+    assert np.abs(loop.plant.twist).max() < 0.02
+
+
+def test_stepped_and_whole_runs_give_the_same_bits() -> None:
+    path = plan_path(figure_of_eight(1.0), PathLimits(0.8, 1.5))
+    reference = np.hstack([path.pose, path.twist, path.acceleration])
+    loops = [make(seed=7) for _ in range(3)]
+    for loop in loops:
+        loop.place(reference[0, :3])
+        loop.controller.follow_path(reference)
+    log = loops[0].buffer(500)
+    for _ in range(4):
+        loops[0].advance_logged(log)
+    for _ in range(200):
+        loops[1].advance(10)
+    loops[2].advance(2000)
+    for loop in loops[1:]:
+        assert loop.plant.state.tobytes() == loops[0].plant.state.tobytes()
+        assert loop.controller.state.tobytes() == loops[0].controller.state.tobytes()
+        assert loop.controller.states.tobytes() == loops[0].controller.states.tobytes()
+
+
+def test_a_copy_goes_on_as_the_original_would() -> None:
+    loop = make(seed=3)
+    run(loop, (0.4, -0.2, 0.8), 0.5)
+    other = copy.deepcopy(loop)
+    run(loop, (0.1, 0.3, -0.5), 0.5)
+    assert other.plant.time == pytest.approx(0.5)
+    run(other, (0.1, 0.3, -0.5), 0.5)
+    assert other.plant.state.tobytes() == loop.plant.state.tobytes()
+    assert other.controller.states.tobytes() == loop.controller.states.tobytes()
+
+
+def test_a_path_ends_and_is_held() -> None:
+    loop = make()
+    path = plan_path([[0.0, 0.0], [0.4, 0.1], [0.8, 0.0]], PathLimits(0.8, 1.5))
+    loop.controller.follow_path(np.hstack([path.pose, path.twist, path.acceleration]))
+    loop.advance(len(path.time) + 500)
+    assert loop.controller.ending == DONE
+    np.testing.assert_allclose(loop.plant.pose, [0.8, 0.0, 0.0], atol=0.01)
+    assert np.abs(loop.plant.twist).max() < 0.02
+
+
+@pytest.mark.parametrize("offset", [(0.0, 0.0, 0.0), (-0.1, 0.08, 0.4)])
+def test_a_differential_base_keeps_a_path_along_its_heading(offset: tuple[float, float, float]) -> None:
+    path = plan_path(figure_of_eight(3.0), PathLimits(0.8, 1.0), heading="tangent")
+    reference = np.hstack([path.pose, path.twist, path.acceleration])
+    loop = make("differential")
+    loop.place(reference[0, :3] + offset)
+    loop.controller.follow_path(reference)
+    log = loop.buffer(len(path.time))
+    done = loop.advance_logged(log)
+    error = np.hypot(log.body["x"] - log.said["ref_x"], log.body["y"] - log.said["ref_y"])[:done]
+    assert error[2500:].max() < 0.05
+    assert loop.controller.ending == DONE
+
+
+def test_settings_are_checked() -> None:
+    for name in ("speed", "jerk", "timeout"):
+        with pytest.raises(OutOfLimits, match=name):
+            ShapingSettings(**{name: 0.0})
+    assert ShapingSettings(timeout=float("inf")).timeout == float("inf")
