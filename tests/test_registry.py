@@ -59,7 +59,7 @@ def test_values_become_a_record() -> None:
     [
         ({}, InputError, "law 'straight': gain missing; it needs gain (gain)"),
         ({"gain": 1, "gian": 1}, UnknownName, "no parameter of law 'straight' 'gian'; there is delay, filtered, gain,"),
-        ({"gain": 0}, OutOfLimits, "law 'straight': gain is 0.0; it must be greater than 0 1/s"),
+        ({"gain": 0}, OutOfLimits, "law 'straight': gain is 0.0; it must be finite and greater than 0 1/s"),
         ({"gain": math.nan}, OutOfLimits, "gain is nan"),
         ({"gain": math.inf}, OutOfLimits, "gain is inf"),
         ({"gain": "2"}, InputError, "gain is '2'; it must be a number"),
@@ -67,7 +67,7 @@ def test_values_become_a_record() -> None:
         ({"gain": None}, InputError, "gain is None; it must be a number"),
         ({"gain": 1, "delay": 2.5}, OutOfLimits, "delay is 2.5; it must be 0 to 2 s"),
         ({"gain": 1, "reset": math.nan}, OutOfLimits, "reset is nan; it must be greater than 0 and may be infinite s"),
-        ({"gain": 1, "order": 4}, OutOfLimits, "order is 4; it must be at least 1 and less than 4"),
+        ({"gain": 1, "order": 4}, OutOfLimits, "order is 4; it must be finite and at least 1 and less than 4"),
         ({"gain": 1, "order": 1.0}, InputError, "order is 1.0; it must be a whole number"),
         ({"gain": 1, "order": True}, InputError, "order is True; it must be a whole number"),
         ({"gain": 1, "filtered": 1}, InputError, "filtered is 1; it must be true or false"),
@@ -75,7 +75,7 @@ def test_values_become_a_record() -> None:
         ({"gain": 1, "start": [1.0]}, InputError, "start has 1 entries; 2 are needed"),
         ({"gain": 1, "start": 1.0}, InputError, "start is 1.0; it must be a list"),
         ({"gain": 1, "start": [1.0, math.nan]}, OutOfLimits, "start is nan; it must be finite m"),
-        ({"gain": 1, "limit": -2.0}, OutOfLimits, "limit is -2.0; it must be at least -1"),
+        ({"gain": 1, "limit": -2.0}, OutOfLimits, "limit is -2.0; it must be finite and at least -1"),
         ({"gain": 1, "name": "x"}, UnknownName, "no parameter of law 'straight' 'name'"),
     ],
 )

@@ -140,8 +140,8 @@ class Table:
                 problems.append(str(problem))
         return found, tuple(problems)
 
-    def _points(self) -> EntryPoints:
-        return _entry_points(tuple(sys.path)).select(group=f"holonom.{self.kind}")
+    def _points(self) -> tuple[EntryPoint, ...]:
+        return _entry_points(f"holonom.{self.kind}", tuple(sys.path))
 
     def _load(self, point: EntryPoint) -> Method:
         called = f"{self.one} {_called(point)}"
@@ -166,7 +166,13 @@ def _called(point: EntryPoint) -> str:
 
 
 @cache
-def _entry_points(path: tuple[str, ...]) -> EntryPoints:
+def _entry_points(group: str, path: tuple[str, ...]) -> tuple[EntryPoint, ...]:
+    """Entry points of a group."""
+    return tuple(_all_entry_points(path).select(group=group))
+
+
+@cache
+def _all_entry_points(path: tuple[str, ...]) -> EntryPoints:
     """Entry points of all that is installed on a module search path, read once."""
     from importlib.metadata import entry_points
 

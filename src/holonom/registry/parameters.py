@@ -6,7 +6,9 @@ import dataclasses
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, dataclass
+from functools import cache
 from importlib import import_module
+from numbers import Integral, Real
 from types import MappingProxyType, NoneType, UnionType
 from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -67,10 +69,22 @@ class Parameter:
         if self.least is not None and self.most is not None and math.isfinite(self.least) and math.isfinite(self.most):
             return f"{_shown(self.least)} to {_shown(self.most)}"
         words = {"at least": self.least, "greater than": self.above, "at most": self.most, "less than": self.below}
-        stated = {word: bound for word, bound in words.items() if bound is not None}
-        return " and ".join(
-            f"{word} {_shown(bound)}" if math.isfinite(bound) else "may be infinite" for word, bound in stated.items()
-        )
+        stated = [
+            f"{word} {_shown(bound)}" for word, bound in words.items() if bound is not None and abs(bound) < math.inf
+        ]
+        return " and ".join([*stated, "may be infinite"] if self.infinite else stated)
+
+    @property
+    def allowed(self) -> str:
+        """The range with its unit, as a message says it."""
+        finite = "" if self.infinite or " to " in self.range else "finite"
+        words = " and ".join(filter(None, (finite, self.range)))
+        return f"{words} {self.unit}".rstrip()
+
+    @property
+    def infinite(self) -> bool:
+        """Whether an infinite number is allowed."""
+        return any(bound is not None and math.isinf(bound) for bound in (self.least, self.most))
 
     def allows(self, value: float) -> bool:
         """Whether a number lies in the range; NaN never does."""
@@ -123,6 +137,12 @@ def parameter(
 
 def parameters_of(record: type[Any]) -> tuple[Field, ...]:
     """Return the fields of a record that were made by `parameter`, in their order."""
+    unchecked: Any = record  # a type is hashable, which its annotation does not say
+    return _fields_of(unchecked)
+
+
+@cache
+def _fields_of(record: Any) -> tuple[Field, ...]:
     types = get_type_hints(record)
     return tuple(
         Field(f.name, types[f.name], f.default, f.metadata[_KEY])
@@ -131,16 +151,20 @@ def parameters_of(record: type[Any]) -> tuple[Field, ...]:
     )
 
 
-def check_fields(record: Any) -> None:
+def check_fields(record: Any, error: type[InputError] | None = None) -> None:
     """Check every field of a record, for its `__post_init__`.
 
     Raises
     ------
     InputError
-        A value of another type, a name that is not among the choices, a number outside its range.
+        A value of another type, a name that is not among the choices, a number outside its range; an `error` instead
+        where one is given.
     """
     for field in parameters_of(type(record)):
-        check_value(f"{type(record).__name__}: {field.name}", getattr(record, field.name), field)
+        try:
+            check_value(f"{type(record).__name__}: {field.name}", getattr(record, field.name), field)
+        except InputError as problem:
+            raise problem if error is None else error(str(problem)) from None
 
 
 def read_record(record: type[R], given: Mapping[str, Any], what: str) -> R:
@@ -188,18 +212,25 @@ def _checked(what: str, value: Any, kind: Any, said: Parameter) -> Any:
     if get_origin(kind) in (Union, UnionType):
         if value is None and NoneType in get_args(kind):
             return None
-        kind = next(part for part in get_args(kind) if part is not NoneType)
+        kind = _part(get_args(kind), value)
     if get_origin(kind) is tuple:
         return _tuple(what, value, get_args(kind), said)
-    if kind is float and isinstance(value, int) and not isinstance(value, bool):
+    if kind is float and isinstance(value, Real) and not isinstance(value, bool):
         value = float(value)
-    if not isinstance(value, kind) or (kind is int and isinstance(value, bool)):
+    if not isinstance(value, Integral if kind is int else kind) or (kind is int and isinstance(value, bool)):
         raise InputError(f"{what} is {value!r}; it must be {_WORDS.get(kind, f'a {kind.__name__}')}{_within(said)}")
     if isinstance(value, str) and said.choices is not None and value not in said.names():
         raise UnknownName(f"value of {what}", value, said.names())
     if kind in (int, float) and not said.allows(value):
-        raise OutOfLimits(f"{what} is {value!r}; it must be {said.range or 'finite'}{_unit(said)}")
+        raise OutOfLimits(f"{what} is {value!r}; it must be {said.allowed}")
     return value
+
+
+def _part(kinds: tuple[Any, ...], value: Any) -> Any:
+    """Return the type of a union that a value is to be of: that of a list for lists, else the first."""
+    listed = isinstance(value, (list, tuple))
+    fitting = [part for part in kinds if part is not NoneType and (get_origin(part) is tuple) == listed]
+    return fitting[0] if fitting else next(part for part in kinds if part is not NoneType)
 
 
 def _tuple(what: str, value: Any, kinds: tuple[Any, ...], said: Parameter) -> tuple[Any, ...]:
@@ -217,10 +248,6 @@ _WORDS = {float: "a number", int: "a whole number", bool: "true or false", str: 
 
 def _within(said: Parameter) -> str:
     return f" {said.range}" if said.range else ""
-
-
-def _unit(said: Parameter) -> str:
-    return f" {said.unit}" if said.unit else ""
 
 
 def _shown(bound: float) -> str:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from holonom.control.path_keeping import EstimateSettings, KeepingSettings
 from holonom.control.traction import TractionSettings, WatchSettings
+from holonom.devices import Accelerometer, CurrentShunt, Gyro
 from holonom.errors import ModelError, OutOfLimits, UnknownName
 from holonom.mobile.base import WheelBase
 from holonom.mobile.drive.coupling import Coupling
@@ -55,11 +56,11 @@ class BaseSensors:
         Standard deviation of a shunt's sample, A.
     """
 
-    gyro_noise: float = 2e-3
-    gyro_bias: float = 2e-4
-    accelerometer_noise: float = 0.05
-    accelerometer_bias: float = 0.02
-    current_noise: float = 0.03
+    gyro_noise: float = Gyro().noise
+    gyro_bias: float = Gyro().bias
+    accelerometer_noise: float = Accelerometer().noise
+    accelerometer_bias: float = Accelerometer().bias
+    current_noise: float = CurrentShunt().noise
 
     def params(self) -> SensorParams:
         """Params of the compiled loop."""
