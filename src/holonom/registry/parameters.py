@@ -69,9 +69,8 @@ class Parameter:
         if self.least is not None and self.most is not None and math.isfinite(self.least) and math.isfinite(self.most):
             return f"{_shown(self.least)} to {_shown(self.most)}"
         words = {"at least": self.least, "greater than": self.above, "at most": self.most, "less than": self.below}
-        stated = [
-            f"{word} {_shown(bound)}" for word, bound in words.items() if bound is not None and abs(bound) < math.inf
-        ]
+        finite = {word: bound for word, bound in words.items() if bound is not None and abs(bound) < math.inf}
+        stated = [f"{word} {_shown(bound)}" for word, bound in finite.items()]
         return " and ".join([*stated, "may be infinite"] if self.infinite else stated)
 
     @property
@@ -217,7 +216,8 @@ def _checked(what: str, value: Any, kind: Any, said: Parameter) -> Any:
         return _tuple(what, value, get_args(kind), said)
     if kind is float and isinstance(value, Real) and not isinstance(value, bool):
         value = float(value)
-    if not isinstance(value, Integral if kind is int else kind) or (kind is int and isinstance(value, bool)):
+    wanted: Any = Integral if kind is int else kind
+    if not isinstance(value, wanted) or (kind is int and isinstance(value, bool)):
         raise InputError(f"{what} is {value!r}; it must be {_WORDS.get(kind, f'a {kind.__name__}')}{_within(said)}")
     if isinstance(value, str) and said.choices is not None and value not in said.names():
         raise UnknownName(f"value of {what}", value, said.names())

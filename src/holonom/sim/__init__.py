@@ -12,10 +12,11 @@
 =====================  ===========================================================
 """
 
+from holonom.control import CONTROLLERS
 from holonom.sim.arm.dry import DryMachine, Problem
 from holonom.sim.arm.machine import PROGRAM_TICK, SimulatedMachine
 from holonom.sim.arm.motions import LineSettings, branch_joints
-from holonom.sim.arm.plant import CONTROLLERS, ControlSettings, Ground, Plant
+from holonom.sim.arm.plant import ControlSettings, Ground, Plant
 from holonom.sim.arm.world import Disc, Gripper, Surface, World
 from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch
 from holonom.sim.base.log import BaseLog

@@ -9,7 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.control import (
+    CONTROLLERS,
     AxisLimits,
+    CascadeSettings,
+    ComputedTorqueSettings,
     SampleTimes,
     ServoAxis,
     Violation,
@@ -18,18 +21,19 @@ from holonom.control import (
     drive_fault,
 )
 from holonom.devices import DcMotor, Encoder, Friction, Gear, tracking_params
-from holonom.errors import ModelError, UnknownName
+from holonom.errors import ModelError
 from holonom.mechanics import Arm
 from holonom.model import ArmModel, Joint
 from holonom.sim.arm.kernels import CASCADE, COMPUTED_TORQUE, POSITION_TICK, SPEED_TICK, STOP, advance
 from holonom.sim.arm.plant_equation import plant_kernel
 from holonom.sim.arm.records import STATE, Axis, axis_table
 
-__all__ = ["CONTROLLERS", "STEP", "TICK", "ControlSettings", "Ground", "Plant", "check_drives"]
+__all__ = ["STEP", "TICK", "ControlSettings", "Ground", "Plant", "check_drives"]
 
 Array = NDArray[np.float64]
 
-CONTROLLERS = {"cascade": CASCADE, "computed_torque": COMPUTED_TORQUE}
+LAWS = {CascadeSettings: CASCADE, ComputedTorqueSettings: COMPUTED_TORQUE}
+"""Compiled laws, by the settings of the controllers that they are of."""
 STEP = 1e-4
 """Step of the current loop and of the arm, s."""
 TICK = STEP * POSITION_TICK
@@ -47,13 +51,13 @@ class ControlSettings:
     """
 
     controller: str = "cascade"
-    law_bandwidth: float = 50.0
+    law_bandwidth: float = ComputedTorqueSettings().law_bandwidth
     following_error: float = 0.1
     trip_margin: float = 0.25
 
     def __post_init__(self) -> None:
-        if self.controller not in CONTROLLERS:
-            raise UnknownName("controller", self.controller, CONTROLLERS)
+        if CONTROLLERS[self.controller].record not in LAWS:
+            raise ModelError(f"controller {self.controller!r} cannot be simulated: no compiled law is of its settings")
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +90,7 @@ class Plant:
         ]
         self._axes = axis_table(rows)
         self._work = np.zeros(8 * arm.n + 8)
-        self._mode = CONTROLLERS[settings.controller]
+        self._mode = LAWS[CONTROLLERS[settings.controller].record]
         self.states = self._at_rest(np.asarray(q, dtype=float))
 
     def _at_rest(self, q: Array) -> NDArray[np.void]:
