@@ -6,8 +6,8 @@ import math
 import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from types import NoneType
-from typing import Any, get_args, get_origin
+from types import NoneType, UnionType
+from typing import Any, Union, get_args, get_origin
 
 from holonom.app.answer import Answer
 from holonom.app.tables import TABLES, table_of
@@ -130,13 +130,14 @@ def _parameter(field: Field) -> dict[str, Any]:
 
 
 def _type(kind: Any) -> str:
-    if NoneType in get_args(kind):
-        return _type(next(part for part in get_args(kind) if part is not NoneType))
-    if get_origin(kind) is tuple:
-        parts = get_args(kind)
-        count = "" if parts[-1] is Ellipsis else f"{len(parts)} "
-        return f"{count}{_TYPES[parts[0]]}s"
-    return _TYPES[kind]
+    """Return a field's type in words: "number", "2 numbers", "lists of 2 numbers", "number or numbers"."""
+    if get_origin(kind) in (Union, UnionType):
+        return " or ".join(_type(part) for part in get_args(kind) if part is not NoneType)
+    if get_origin(kind) is not tuple:
+        return _TYPES[kind]
+    parts = get_args(kind)
+    inner = f"lists of {_type(parts[0])}" if get_origin(parts[0]) is tuple else f"{_TYPES[parts[0]]}s"
+    return inner if parts[-1] is Ellipsis else f"{len(parts)} {inner}"
 
 
 def _value(value: Any) -> Any:

@@ -12,7 +12,24 @@ __all__ = ["TABLES", "table_of"]
 
 TABLES: Mapping[str, str] = MappingProxyType(
     {
+        "controllers": "holonom.control.methods:CONTROLLERS",
+        "base_controllers": "holonom.control.methods:BASE_CONTROLLERS",
+        "slip_detectors": "holonom.mobile.methods:SLIP_DETECTORS",
+        "localisers": "holonom.mobile.methods:LOCALISERS",
+        "odometry_rules": "holonom.mobile.odometry:RULES",
+        "planners": "holonom.mechanics.motion.methods:PLANNERS",
+        "profiles": "holonom.mechanics.motion:PROFILES",
+        "paths": "holonom.sim.base.paths:PATHS",
+        "headings": "holonom.sim.base.paths:HEADINGS",
+        "sensors": "holonom.sim.methods:SENSORS",
+        "devices": "holonom.devices.methods:DEVICES",
+        "plants": "holonom.sim.methods:PLANTS",
+        "presets": "holonom.model.presets:PRESETS",
+        "joint_kinds": "holonom.model.joint_kinds:JOINT_KINDS",
+        "arrangements": "holonom.mobile.methods:ARRANGEMENTS",
+        "report_sections": "holonom.app.report.section_table:REPORT_SECTIONS",
         "commands": "holonom.app.commands:COMMANDS",
+        "arps_words": "holonom.lang.words:ARPS_WORDS",
     }
 )
 """Kind to the import path of its table."""

@@ -10,8 +10,9 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 `Gyro`                  noise and offset; `Accelerometer` and `CurrentShunt` too
 ======================  ========================================================================
 
-`DEVICES` and `SENSORS` list them. Compiled steps over scalars (`kernels.py`), for a loop that keeps the state of its
-axes in rows of numbers:
+`DEVICES` lists those between motor and joint.
+
+Compiled steps over scalars (`kernels.py`), for a loop that keeps the state of its axes in rows of numbers:
 
 ======================  ========================================================================
 `armature_step`         voltage and speed to current, exact between samples
@@ -45,12 +46,11 @@ from holonom.devices.kernels import (
     gear_torque,
     tracking_step,
 )
-from holonom.devices.methods import DEVICES, SENSORS
+from holonom.devices.methods import DEVICES
 from holonom.devices.sensors import Accelerometer, CurrentShunt, Gyro
 
 __all__ = [
     "DEVICES",
-    "SENSORS",
     "Accelerometer",
     "ArmatureParams",
     "CurrentShunt",

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.errors import ModelError, UnknownName
+from holonom.model.joint_kinds import JOINT_KINDS
 
 __all__ = [
     "ArmModel",
@@ -133,11 +134,12 @@ class Mimic:
 class Joint:
     """`T_pi(q) = before @ motion(q) @ after`; motion turns about or slides along z.
 
-    `parent` is the number of the joint whose frame carries this one, -1 for the base; None means the one before.
+    `kind` is a name of `JOINT_KINDS`. `parent` is the number of the joint whose frame carries this one, -1 for the
+    base; None means the one before.
     """
 
     name: str
-    kind: Literal["revolute", "prismatic"]
+    kind: str
     before: Transform = IDENTITY
     after: Transform = IDENTITY
     limits: JointLimits = JointLimits()
@@ -145,6 +147,10 @@ class Joint:
     friction: Friction | None = None
     parent: int | None = None
     mimic: Mimic | None = None
+
+    def __post_init__(self) -> None:
+        if self.kind not in JOINT_KINDS:
+            raise UnknownName(JOINT_KINDS.one, self.kind, JOINT_KINDS)
 
 
 @dataclass(frozen=True, slots=True)

@@ -72,10 +72,13 @@ class Table:
     one : what messages call one of them, "controller".
     product : what `make(params)` gives, in a few words.
     methods : a line each: name and `Method`, or its import path "module:NAME", which is imported when it is used.
+    closed : entry points add nothing: words of a grammar, say.
     """
 
-    def __init__(self, kind: str, one: str, product: str, methods: Mapping[str, Method | str]) -> None:
-        self.kind, self.one, self.product = kind, one, product
+    def __init__(
+        self, kind: str, one: str, product: str, methods: Mapping[str, Method | str], *, closed: bool = False
+    ) -> None:
+        self.kind, self.one, self.product, self.closed = kind, one, product, closed
         self._own = MappingProxyType(dict(methods))
 
     def __iter__(self) -> Iterator[str]:
@@ -141,7 +144,7 @@ class Table:
         return found, tuple(problems)
 
     def _points(self) -> tuple[EntryPoint, ...]:
-        return _entry_points(f"holonom.{self.kind}", tuple(sys.path))
+        return () if self.closed else _entry_points(f"holonom.{self.kind}", tuple(sys.path))
 
     def _load(self, point: EntryPoint) -> Method:
         called = f"{self.one} {_called(point)}"

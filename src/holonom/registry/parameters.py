@@ -190,10 +190,10 @@ def read_record(record: type[R], given: Mapping[str, Any], what: str) -> R:
             if not fields:
                 raise UnknownName(f"parameter of {what}", name, ["none"])
             raise UnknownName(f"parameter of {what}", name, fields)
+    values = {name: check_value(f"{what}: {name}", value, fields[name]) for name, value in given.items()}
     missing = [name for name, field in fields.items() if field.required and name not in given]
     if missing:
         raise InputError(f"{what}: {', '.join(missing)} missing; it needs {_needed(fields.values())}")
-    values = {name: check_value(f"{what}: {name}", value, fields[name]) for name, value in given.items()}
     return record(**values)
 
 

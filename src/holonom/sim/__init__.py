@@ -9,6 +9,7 @@
 `simulate_base`        a mobile base on a path, with its motors, slip and faults: `BaseLog`
 `BasePlant`            its plant: `BaseDrive`, on a `Floor` of `Material` with patches
 `plan_path`            a reference for it, along `PATHS` or `waypoints`
+`PLANTS`, `SENSORS`    tables of what there is to simulate
 =====================  ===========================================================
 """
 
@@ -23,13 +24,16 @@ from holonom.sim.base.log import BaseLog
 from holonom.sim.base.paths import PATHS, PathLimits, ReferencePath, plan_path, waypoints
 from holonom.sim.base.plant import BaseDrive, BasePlant
 from holonom.sim.base.simulation import BaseFault, BaseSensors, BaseSettings, Creep, simulate_base, slip_settings
+from holonom.sim.methods import PLANTS, SENSORS
 
 __all__ = [
     "CARPET",
     "CONTROLLERS",
     "ICE",
     "PATHS",
+    "PLANTS",
     "PROGRAM_TICK",
+    "SENSORS",
     "BaseDrive",
     "BaseFault",
     "BaseLog",
