@@ -7,7 +7,7 @@ from typing import Any
 
 from holonom.control.path_keeping import EstimateSettings, KeepingSettings
 from holonom.control.traction import TractionSettings, WatchSettings
-from holonom.registry import Method, Table, check_fields, parameter
+from holonom.registry import OWN, Method, Table, check_fields, parameter
 
 __all__ = ["BASE_CONTROLLERS", "CONTROLLERS", "CascadeSettings", "ComputedTorqueSettings"]
 
@@ -58,6 +58,7 @@ CONTROLLERS = Table(
 )
 
 _OMNI = "Rojas, Foerster, Holonomic Control of a robot with an omnidirectional drive; specification 06.2"
+_HERE = f"{OWN}; specification 06.2"
 
 BASE_CONTROLLERS = Table(
     "base_controllers",
@@ -66,9 +67,9 @@ BASE_CONTROLLERS = Table(
     {
         "path_keeping": Method("feed-forward and PI on the pose error", _itself, _OMNI, KeepingSettings),
         "velocity_estimate": Method(
-            "velocity from gyro, accelerometers and the wheels that are trusted", _itself, _OMNI, EstimateSettings
+            "velocity from gyro, accelerometers and the wheels that are trusted", _itself, _HERE, EstimateSettings
         ),
-        "traction_control": Method("cut the force of a wheel that slips", _itself, _OMNI, TractionSettings),
-        "motor_watch": Method("find a dead or jammed motor", _itself, _OMNI, WatchSettings),
+        "traction_control": Method("cut the force of a wheel that slips", _itself, _HERE, TractionSettings),
+        "motor_watch": Method("find a dead or jammed motor", _itself, _HERE, WatchSettings),
     },
 )

@@ -13,7 +13,7 @@ from holonom.mobile.arrangements import ackermann, differential, mecanum, omni, 
 from holonom.mobile.base import WheelBase
 from holonom.mobile.drive.slip import SlipSettings
 from holonom.mobile.odometry.integrate import RULES, integrate
-from holonom.registry import Method, Table, parameter
+from holonom.registry import OWN, Method, Table, parameter
 
 __all__ = ["ARRANGEMENTS", "LOCALISERS", "SLIP_DETECTORS", "DeadReckoning", "Preset", "arrangement"]
 
@@ -174,7 +174,7 @@ SLIP_DETECTORS = Table(
         "residuals": Method(
             "rim speeds that no twist explains, against gyro and accelerations",
             lambda settings: settings,
-            "Rojas, Foerster, Holonomic Control of a robot with an omnidirectional drive; specification 06.2",
+            f"{OWN}; specification 06.2",
             SlipSettings,
         ),
     },

@@ -38,12 +38,10 @@ class CameraPoints:
     pixels: tuple[tuple[float, float], ...] = parameter(
         meaning="u and v of each point", unit="px", example=((0.0, 0.0), (100.0, 0.0), (100.0, 100.0), (0.0, 100.0))
     )
-    table_m: tuple[tuple[float, float], ...] = parameter(
+    points: tuple[tuple[float, float], ...] = parameter(
         meaning="x and y of the same points", unit="m", example=((0.0, 0.1), (0.1, 0.1), (0.1, 0.0), (0.0, 0.0))
     )
-    tolerance_mm: float = parameter(
-        2.0, meaning="distance on the table within which a point agrees", unit="mm", above=0.0
-    )
+    tolerance: float = parameter(2e-3, meaning="distance within which a point agrees", unit="m", above=0.0)
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -53,7 +51,7 @@ def _camera(points: CameraPoints) -> Any:
     """Return the `TableCamera`; OpenCV is imported when one is made."""
     from holonom.vision import fit_homography
 
-    return fit_homography(points.pixels, points.table_m, tolerance_mm=points.tolerance_mm)
+    return fit_homography(points.pixels, points.points, tolerance_mm=1e3 * points.tolerance)
 
 
 def _itself(sheet: Any) -> Any:

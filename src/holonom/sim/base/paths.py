@@ -134,6 +134,7 @@ class Waypoints:
 
 
 _CURVES = "Lawrence, A Catalog of Special Plane Curves"
+_SPLINES = "de Boor, A Practical Guide to Splines"
 
 PATHS = Table(
     "paths",
@@ -150,7 +151,7 @@ PATHS = Table(
             _CURVES,
             ClosedCurve,
         ),
-        "waypoints": Method("a cubic spline through places", lambda p: waypoints(p.points), _CURVES, Waypoints),
+        "waypoints": Method("a cubic spline through places", lambda p: waypoints(p.points), _SPLINES, Waypoints),
     },
 )
 """What a base may drive along."""
