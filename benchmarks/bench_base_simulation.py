@@ -6,9 +6,11 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from holonom.app.bench import Figure, Setting, seconds
+from holonom.closed_loop import simulate_base
 from holonom.devices import DcMotor, Encoder, Gear
-from holonom.mobile import omni
-from holonom.sim import CARPET, PATHS, BaseDrive, BasePlant, PathLimits, plan_path, simulate_base
+from holonom.machine import PATHS, PathLimits, plan_path
+from holonom.mobile import BaseDrive, omni
+from holonom.sim import CARPET, BasePlant
 
 BASE = omni(
     angles=np.deg2rad([57.0, 135.0, 225.0, 303.0]), radius=0.0789, wheel_radius=0.02711, mass=6.35, com_height=0.0

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from holonom.app.bench import Figure, Setting, seconds
+from holonom.machine import PATHS, plan_path
+from holonom.machine.base.paths import HEADINGS
 from holonom.mechanics.motion import PROFILES, on_grid, time_law
 from holonom.mobile.odometry import RULES, integrate
-from holonom.sim import PATHS, plan_path
-from holonom.sim.base.paths import HEADINGS
 
 
 def measure(setting: Setting) -> list[Figure]:

@@ -11,8 +11,9 @@ import numpy as np
 
 from holonom import load_arm
 from holonom.app.bench import Figure, Setting, seconds
+from holonom.closed_loop import ArmLoop
+from holonom.machine import ControlSettings
 from holonom.mechanics.motion import plan_joint
-from holonom.sim import ControlSettings, Plant
 
 CELL = Path(__file__).parents[1] / "examples" / "01_sort_coins" / "cell.toml"
 
@@ -30,11 +31,11 @@ def _against_real_time(controller: str, setting: Setting) -> Figure:
     back = plan_joint(q1, q0, arm.limits, speed=0.8, acceleration=0.8)
     samples = np.concatenate([np.stack([t.q, t.qd, t.qdd]) for t in (there, back)], axis=1)
     ticks = [np.ascontiguousarray(samples[:, k : k + 10]) for k in range(0, samples.shape[1] - 9, 10)]
-    plant = Plant(arm, q0, ControlSettings(controller))
+    loop = ArmLoop(arm, q0, ControlSettings(controller))
 
     def run() -> None:
         for tick in ticks:
-            plant.advance(tick)
+            loop.advance(tick)
 
     elapsed = seconds(run, setting, rounds=9)
     return Figure(

@@ -14,7 +14,9 @@
 `hm.mobile`        wheels, bases, odometry and its calibration
 `hm.vision`        camera over a table, coins
 `hm.lang`          the ARPS robot language
-`hm.sim`           the simulated cell
+`hm.machine`       the controller of an arm or a base
+`hm.sim`           simulated plants, floors, work pieces
+`hm.closed_loop`   controller and plant together
 `hm.plots`         figures of arms and their motions
 =================  ==============================================================
 """
@@ -27,15 +29,17 @@ from typing import TYPE_CHECKING, Any
 from holonom import errors, signals
 
 if TYPE_CHECKING:
-    from holonom import control, devices, lang, mechanics, mobile, model, sim, trace, vision
+    from holonom import closed_loop, control, devices, lang, machine, mechanics, mobile, model, sim, trace, vision
     from holonom.mechanics import Arm, arm_from_dh, load_arm
     from holonom.model import DHRow
 
 __version__ = "0.1.0"
 _SUBPACKAGES = (
+    "closed_loop",
     "control",
     "devices",
     "lang",
+    "machine",
     "mechanics",
     "mobile",
     "model",
@@ -55,11 +59,13 @@ __all__ = [
     "Arm",
     "DHRow",
     "arm_from_dh",
+    "closed_loop",
     "control",
     "devices",
     "errors",
     "lang",
     "load_arm",
+    "machine",
     "mechanics",
     "mobile",
     "model",

@@ -19,7 +19,8 @@ HolonomError
     ├── MotionError           a motion that cannot be made: out of reach, limits, singular
     ├── ProgramFault          a run-time error of an ARPS program, with its line
     │   └── RunawayProgram    a loop that neither moves nor waits
-    └── DriveFault            a following error, an encoder or a drive fault
+    ├── DriveFault            a following error, an encoder or a drive fault
+    └── LevelFault            a level of a controller that is late, silent or sends what cannot be followed
 """
 
 from __future__ import annotations
@@ -34,6 +35,7 @@ __all__ = [
     "HolonomError",
     "ImageError",
     "InputError",
+    "LevelFault",
     "LogError",
     "MissingInertia",
     "ModelError",
@@ -135,3 +137,7 @@ class RunawayProgram(ProgramFault):
 
 class DriveFault(RunError):
     """A servo axis that had to stop: following error, encoder or drive fault."""
+
+
+class LevelFault(RunError):
+    """A level of a controller that is late, silent or sends what cannot be followed; the one below has stopped."""

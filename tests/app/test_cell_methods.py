@@ -17,8 +17,9 @@ from holonom.control import CONTROLLERS
 from holonom.control.methods import BASE_CONTROLLERS, CascadeSettings
 from holonom.devices import DEVICES, Gyro
 from holonom.errors import CellError, UnknownName
+from holonom.machine import PATHS
 from holonom.mobile import ARRANGEMENTS
-from holonom.sim import PATHS, SENSORS
+from holonom.sim import SENSORS
 
 
 class Small(Section):

@@ -19,20 +19,25 @@ __all__ = [
     "JAMMED",
     "OPEN",
     "WORKS",
+    "AxisShape",
     "EstimateParams",
     "KeepingParams",
     "Planar",
+    "ShapingParams",
     "Suspicion",
     "TractionParams",
     "WatchParams",
     "allocation",
+    "drivable_twist",
     "estimate_step",
     "feasible_rate",
     "force_part",
     "ground_speed",
     "keeping_step",
+    "line_keeping_step",
     "pose_step",
     "reference_at",
+    "shaping_step",
     "traction_step",
     "wanted_acceleration",
     "watch_step",
@@ -44,6 +49,7 @@ Floats = NDArray[np.float64]
 
 WORKS, OPEN, JAMMED = 0, 1, 2
 """What the watch says of a motor."""
+SLOW = 0.2  # m/s, below which a base that cannot move sideways does not turn harder towards its path
 MOST_BIAS = 0.02  # rad/s, of a difference between gyro and wheels that counts for the gyro's zero
 
 
@@ -69,6 +75,24 @@ class KeepingParams(NamedTuple):
     max_turn_correction: float
     max_acceleration: float
     max_turn_acceleration: float
+
+
+class AxisShape(NamedTuple):
+    """Limits of one component of a twist: speed, acceleration, jerk (m/s, or rad/s, and their derivatives)."""
+
+    speed: float
+    acceleration: float
+    jerk: float
+
+
+class ShapingParams(NamedTuple):
+    """Following a twist that is asked for: s after which it is too old, limits of each component."""
+
+    dt: float
+    timeout: float
+    forwards: AxisShape
+    sideways: AxisShape
+    turning: AxisShape
 
 
 class EstimateParams(NamedTuple):
@@ -156,6 +180,62 @@ def keeping_step(
     command = Planar(bx + dx, by + dy, before.turn + _clip(ut - before.turn, dt * params.max_turn_acceleration))
     ahead = Planar(d * reference[6] - e * reference[7], e * reference[6] + d * reference[7], reference[8])
     return command, ahead, Planar(ix, iy, it)
+
+
+@njit(cache=True, error_model="numpy")
+def line_keeping_step(
+    params: KeepingParams, reference: Floats, pose: Planar, before: Planar
+) -> tuple[Planar, Planar, Planar]:
+    """`keeping_step` of a base that cannot move sideways: it turns towards the path instead; no integral.
+
+    Errors in robot axes and forward speed as Kanayama et al. (ICRA 1990), `v = v_r cos e_theta + k e_x`; turning
+    `w = w_r + h sin e_theta + h^2 / (4 v_r) e_y` is critically damped at every speed above `SLOW`.
+    """
+    s, c = sincos(pose.turn)
+    wx, wy = reference[0] - pose.x, reference[1] - pose.y
+    turn = reference[2] - pose.turn
+    turn -= 2.0 * math.pi * math.floor(turn / (2.0 * math.pi) + 0.5)
+    along, across = c * wx + s * wy, c * wy - s * wx
+    e, d = sincos(turn)
+    h, v = params.heading_gain, reference[3]
+    speed = d * v + _clip(params.position_gain * along, params.max_correction)
+    steer = 0.25 * h * h * v / max(v * v, SLOW * SLOW)
+    rate = reference[5] + _clip(h * e + steer * across, params.max_turn_correction)
+    dt = params.dt
+    command = Planar(
+        before.x + _clip(speed - before.x, dt * params.max_acceleration),
+        0.0,
+        before.turn + _clip(rate - before.turn, dt * params.max_turn_acceleration),
+    )
+    return command, Planar(reference[6], 0.0, reference[8]), Planar(0.0, 0.0, 0.0)
+
+
+@njit(cache=True, error_model="numpy")
+def drivable_twist(drivable: Floats, rows: Floats, twist: Planar, max_rim: float) -> Planar:
+    """Nearest twist that drags no wheel (`drivable` (3, 3) projects), no faster than the wheels reach (m/s)."""
+    x = drivable[0, 0] * twist.x + drivable[0, 1] * twist.y + drivable[0, 2] * twist.turn
+    y = drivable[1, 0] * twist.x + drivable[1, 1] * twist.y + drivable[1, 2] * twist.turn
+    turn = drivable[2, 0] * twist.x + drivable[2, 1] * twist.y + drivable[2, 2] * twist.turn
+    fastest = max_rim
+    for i in range(rows.shape[0]):
+        fastest = max(fastest, abs(rows[i, 0] * x + rows[i, 1] * y + rows[i, 2] * turn))
+    part = max_rim / fastest
+    return Planar(part * x, part * y, part * turn)
+
+
+@njit(cache=True, error_model="numpy")
+def shaping_step(dt: float, shape: AxisShape, speed: float, acceleration: float, goal: float) -> tuple[float, float]:
+    """Speed and acceleration one sample later on the way to a speed: within its limits, without overshoot.
+
+    The acceleration aims at the largest from which jerk `j` leads to rest at the goal, `a (a + j dt) = 2 j e`: time
+    optimal but for the last sample.
+    """
+    error = min(max(goal, -shape.speed), shape.speed) - speed
+    change = dt * shape.jerk
+    aim = math.sqrt(0.25 * change * change + 2.0 * shape.jerk * abs(error)) - 0.5 * change
+    aim = math.copysign(min(aim, shape.acceleration), error)
+    acceleration = min(max(aim, acceleration - change), acceleration + change)
+    return speed + dt * acceleration, acceleration
 
 
 @njit(cache=True, error_model="numpy")

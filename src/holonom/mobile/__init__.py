@@ -12,6 +12,8 @@ Standing and tipping over
     `turning_speed`, `wheel_loads`.
 Motion in the plane
     `poses`: exact arcs, composition, twists in robot and world.
+What drives a base
+    `BaseDrive` (data sheets of motor, gear, encoder of its wheels), `BaseSensors` (how its sensors err).
 Omni drives
     `Coupling`, `rim_speeds`, `base_twist`, `wheel_forces`, `base_acceleration`; `idle_patterns`, `split_pattern`;
     `effective_motors`, `force_envelope`, `acceleration_envelope`, `speed_envelope`, `critical_force`, `drive_limits`.
@@ -37,6 +39,7 @@ from holonom.mobile.arrangements import (
 from holonom.mobile.base import WheelBase
 from holonom.mobile.castors import CastorRates, castor_rates
 from holonom.mobile.centre import Centre, axle_miss, centre_of_axles, centre_of_twist
+from holonom.mobile.drive.base_drive import BaseDrive, BaseSensors
 from holonom.mobile.drive.coupling import (
     Coupling,
     base_acceleration,
@@ -95,6 +98,8 @@ __all__ = [
     "LOCALISERS",
     "SLIP_DETECTORS",
     "Actuation",
+    "BaseDrive",
+    "BaseSensors",
     "CastorRates",
     "Centre",
     "Coupling",

@@ -7,7 +7,7 @@ from typing import Any
 
 from holonom.devices import Accelerometer, CurrentShunt, Encoder, Gyro
 from holonom.registry import Method, Table, check_fields, parameter
-from holonom.sim.arm.plant import Plant
+from holonom.sim.arm.plant import ArmPlant
 from holonom.sim.base.plant import BasePlant
 
 __all__ = ["PLANTS", "SENSORS", "CameraPoints"]
@@ -19,7 +19,7 @@ PLANTS = Table(
     {
         "arm_with_drives": Method(
             "an arm with motors, gears, encoders and friction, down to the armature current",
-            lambda _: Plant,
+            lambda _: ArmPlant,
             "Craig, Introduction to Robotics, ch. 6, 9; Leonhard, Control of Electrical Drives",
         ),
         "base_on_wheels": Method(

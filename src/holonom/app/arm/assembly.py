@@ -11,12 +11,14 @@ from holonom.app.arm.camera import Seen, pixel_axes, placement_pose
 from holonom.app.arm.cell_model import ArmCell, Tray, TrayField
 from holonom.app.report import Box, Detection, Label, PhotoOverlay, Scene, View, arm_shapes, gripper_shapes
 from holonom.app.report import Disc as DiscShape
+from holonom.closed_loop import ArmLoop
+from holonom.machine import ControlSettings, LineSettings
 from holonom.mechanics import Arm, load_arm
 from holonom.model import Body
-from holonom.sim import ControlSettings, Disc, Gripper, Ground, LineSettings, Plant, Surface, World
+from holonom.sim import Disc, Gripper, Ground, Surface, World
 from holonom.spatial import inverse, pose
 
-__all__ = ["build_arm", "build_plant", "build_scene", "build_world", "field_of", "line_settings", "overlay"]
+__all__ = ["build_arm", "build_loop", "build_scene", "build_world", "field_of", "line_settings", "overlay"]
 
 Array = NDArray[np.float64]
 WOOD, LEG, TRAY, BRONZE, OTHER = "#d8c3a5", "#8d99ae", "#f1f5f9", "#b08d57", "#94a3b8"
@@ -34,10 +36,10 @@ def build_arm(cell: ArmCell) -> Arm:
     return arm.with_limits(speed=cell.limits.joint_speed, acceleration=cell.limits.joint_acceleration)
 
 
-def build_plant(cell: ArmCell, arm: Arm, controller: str) -> Plant:
+def build_loop(cell: ArmCell, arm: Arm, controller: str) -> ArmLoop:
     """The arm with its drives, standing at the cell's home joints above the table."""
     settings = ControlSettings(controller, following_error=cell.limits.following_error)
-    return Plant(arm, np.array(cell.arm.home), settings, Ground(height=cell.table.pose.position[2]))
+    return ArmLoop(arm, np.array(cell.arm.home), settings, Ground(height=cell.table.pose.position[2]))
 
 
 def line_settings(cell: ArmCell) -> LineSettings:

@@ -13,7 +13,7 @@ from holonom.app.arm.cell_model import ArmCell
 from holonom.app.arm.job import Job, load_job
 from holonom.errors import ProgramError, ProgramFault
 from holonom.lang import Program, Status, load_program, start, step
-from holonom.sim import DryMachine
+from holonom.machine import DryMachine
 
 __all__ = ["check_arm", "check_program", "rehearse"]
 

@@ -12,8 +12,8 @@ from holonom.app.arm.taught import taught_problems
 from holonom.app.toml_lines import place_of
 from holonom.errors import CellError, ModelError, ProgramFault
 from holonom.lang import Program, load_program, start
+from holonom.machine.arm.servos import check_drives
 from holonom.mechanics import Arm
-from holonom.sim.arm.plant import check_drives
 
 __all__ = ["Job", "load_job"]
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from holonom.app.answer import Answer
-from holonom.app.arm.assembly import build_plant, build_scene, build_world, field_of, line_settings, overlay
+from holonom.app.arm.assembly import build_loop, build_scene, build_world, field_of, line_settings, overlay
 from holonom.app.arm.camera import Seen
 from holonom.app.arm.cell_model import ArmCell
 from holonom.app.arm.job import load_job
@@ -21,11 +21,13 @@ from holonom.app.arm.tracking import compare_tracking, tracking_table
 from holonom.app.output import prepare_output
 from holonom.app.recording import Recorder, read_recording
 from holonom.app.report import LimitUse, Outcome, write_report
+from holonom.closed_loop import SimulatedArm
 from holonom.errors import DriveFault, MotionError, ProgramError, ProgramFault, RunError
 from holonom.lang import Program, Status, start, step
+from holonom.machine import ArmMachine
 from holonom.mechanics import Arm
 from holonom.model import preset
-from holonom.sim import SimulatedMachine, World
+from holonom.sim import World
 
 __all__ = ["run_arm"]
 
@@ -36,13 +38,13 @@ class Run:
 
     controller: str
     recording: Path
-    machine: SimulatedMachine
+    arm: SimulatedArm
     failure: RunError | None
     wall: float
 
     @property
     def world(self) -> World:
-        return self.machine.world
+        return self.arm.world
 
 
 def run_arm(cell: ArmCell, path: Path, output: Path, *, quiet: bool = True) -> Answer:
@@ -92,14 +94,15 @@ def _run(
     names = tuple(joint.name for joint in arm.model.joints)
     begin = time.perf_counter()
     with Recorder(path, names) as recorder, _progress(cell, controller, quiet=quiet) as progress:
-        machine = SimulatedMachine(
-            build_plant(cell, arm, controller),
+        simulated = SimulatedArm(
+            build_loop(cell, arm, controller),
             world,
             recorder,
             look=lambda: seen.parts if seen is not None else (),
             ready=np.array(cell.arm.home),
             line=line_settings(cell),
         )
+        machine = simulated.machine
         failure: RunError | None = None
         try:
             _execute(cell, program, machine, progress)
@@ -115,10 +118,10 @@ def _run(
             machine.log("error", "operator", "interrupted")
             machine.halt()
             raise
-    return Run(controller, path, machine, failure, time.perf_counter() - begin)
+    return Run(controller, path, simulated, failure, time.perf_counter() - begin)
 
 
-def _execute(cell: ArmCell, program: Program, machine: SimulatedMachine, progress: Any) -> None:
+def _execute(cell: ArmCell, program: Program, machine: ArmMachine, progress: Any) -> None:
     state = start(program, entry=cell.program.entry, rng=np.random.default_rng(cell.cell.seed))
     line = 0
     while True:
@@ -137,7 +140,7 @@ def _execute(cell: ArmCell, program: Program, machine: SimulatedMachine, progres
             )
 
 
-def _with_line(fault: RunError, program: Program, machine: SimulatedMachine) -> RunError:
+def _with_line(fault: RunError, program: Program, machine: ArmMachine) -> RunError:
     """The fault, with the program line whose motion it stopped."""
     line = machine.active_line
     if line == 0:
@@ -173,8 +176,8 @@ def _progress(cell: ArmCell, controller: str, *, quiet: bool) -> Iterator[Any]:
 def _summary(cell: ArmCell, runs: list[Run]) -> dict[str, Any]:
     """The run in numbers, JSON values only."""
     run = runs[-1]
-    states, axes = run.machine.plant.states, run.machine.plant.arm.model.joints
-    ticks = max(run.machine.plant.ticks, 1)
+    states, axes = run.arm.loop.plant.states, run.arm.loop.arm.model.joints
+    ticks = max(run.arm.loop.ticks, 1)
     fields = [field_of(cell, disc) for disc in run.world.discs]
     placed = {field.name: fields.count(field.name) for field in cell.tray.fields} if cell.tray else {}
     rms = np.sqrt(states["square_error"] / ticks)
@@ -184,12 +187,12 @@ def _summary(cell: ArmCell, runs: list[Run]) -> dict[str, Any]:
         "outcome": "done" if run.failure is None else "failed",
         "failure": None if run.failure is None else str(run.failure),
         "controllers": [r.controller for r in runs],
-        "simulated_time_s": run.machine.time(),
+        "simulated_time_s": run.arm.loop.time,
         "parts": len(run.world.discs),
         "placed": placed,
         "in_no_field": fields.count(None) if cell.tray else 0,
-        "cycle_time_per_part_s": run.machine.time() / sum(placed.values()) if sum(placed.values()) else None,
-        "largest_contact_force_N": float(run.machine.plant.touch),
+        "cycle_time_per_part_s": run.arm.loop.time / sum(placed.values()) if sum(placed.values()) else None,
+        "largest_contact_force_N": float(run.arm.loop.plant.touch),
         "joints": {
             joint.name: {
                 "peak_speed_rad_s": float(state["peak_speed"]),
@@ -211,9 +214,7 @@ def _summary(cell: ArmCell, runs: list[Run]) -> dict[str, Any]:
 
 def runs_tracked(runs: list[Run]) -> Any:
     """The runs' tool paths, phase by phase."""
-    return compare_tracking(
-        [(run.controller, read_recording(run.recording)) for run in runs], runs[-1].machine.plant.arm
-    )
+    return compare_tracking([(run.controller, read_recording(run.recording)) for run in runs], runs[-1].arm.loop.arm)
 
 
 def _report(
@@ -221,13 +222,13 @@ def _report(
 ) -> None:
     run = runs[-1]
     start_world = build_world(cell, seen)
-    facts = {"Simulated time": f"{run.machine.time():.1f} s", "Controller": run.controller.replace("_", " ")}
+    facts = {"Simulated time": f"{run.arm.loop.time:.1f} s", "Controller": run.controller.replace("_", " ")}
     if summary["parts"]:
         facts["Parts in their fields"] = f"{sum(summary['placed'].values())} of {summary['parts']}"
     if summary["cycle_time_per_part_s"] is not None:
         facts["Time per part"] = f"{summary['cycle_time_per_part_s']:.2f} s"
-    facts["Largest joint error"] = f"{np.degrees(run.machine.plant.states['peak_error'].max()):.3f} deg"
-    facts["Simulated, with recording"] = f"{run.machine.time() / run.wall:.0f} x real time"
+    facts["Largest joint error"] = f"{np.degrees(run.arm.loop.plant.states['peak_error'].max()):.3f} deg"
+    facts["Simulated, with recording"] = f"{run.arm.loop.time / run.wall:.0f} x real time"
     ok = run.failure is None
     write_report(
         path,

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from holonom.errors import MotionError
 from holonom.lang import Configuration, Program
 from holonom.lang.program import Operand
+from holonom.machine import branch_joints
 from holonom.mechanics import Arm
-from holonom.sim import branch_joints
 
 __all__ = ["taught_problems"]
 

@@ -10,25 +10,13 @@ import numpy as np
 
 from holonom.app.base.cell_model import FAULTS, BaseCell, BaseTable, Patch
 from holonom.app.toml_lines import place_of
+from holonom.closed_loop import BaseLog, simulate_base
 from holonom.devices import DcMotor, Encoder, Friction, Gear
 from holonom.errors import CellError, InputError, ModelError, UnknownName
+from holonom.machine import PATHS, BaseSettings, PathLimits, ReferencePath, plan_path
 from holonom.mobile import WheelBase, mecanum, omni
-from holonom.sim import (
-    PATHS,
-    BaseDrive,
-    BaseFault,
-    BaseLog,
-    BaseSensors,
-    BaseSettings,
-    Floor,
-    Material,
-    PathLimits,
-    RectangularPatch,
-    ReferencePath,
-    RoundPatch,
-    plan_path,
-    simulate_base,
-)
+from holonom.mobile.drive.base_drive import BaseDrive, BaseSensors
+from holonom.sim import BaseFault, Floor, Material, RectangularPatch, RoundPatch
 
 __all__ = ["BaseJob", "build_job", "simulate"]
 

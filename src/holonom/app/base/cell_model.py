@@ -9,7 +9,7 @@ from pydantic import Field, Strict, ValidationInfo, field_validator, model_valid
 from holonom.app.cell_fields import Angle, Count, OneOf, Quantity, Section, Size, Text, Vector2
 from holonom.app.cell_tables import About
 from holonom.errors import CellError, OutOfLimits, UnknownName
-from holonom.sim.base.paths import HEADINGS, PATHS
+from holonom.machine.base.paths import HEADINGS, PATHS
 from holonom.sim.base.plant import FAULTS as MOTOR_FAULTS
 
 __all__ = [

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.closed_loop import BaseLog
 from holonom.mobile import SlipStatus
-from holonom.sim import BaseFault, BaseLog, Floor
+from holonom.sim import BaseFault, Floor
 
 __all__ = [
     "DeadMotor",

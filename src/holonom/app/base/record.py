@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 from holonom.app.base.assembly import BaseJob
 from holonom.app.base.scene import wheel_frames, wheel_poses
 from holonom.app.recording import Recorder
+from holonom.closed_loop import BaseLog
 from holonom.mobile import SlipStatus
 from holonom.signals import (
     BaseCommand,
@@ -25,7 +26,6 @@ from holonom.signals import (
     Signal,
     WheelContact,
 )
-from holonom.sim import BaseLog
 from holonom.spatial import pose
 
 __all__ = ["RATE", "record_log"]

@@ -27,8 +27,8 @@ from holonom.app.report import (
     TopView,
     write_report,
 )
+from holonom.closed_loop import BaseLog
 from holonom.mobile import Envelope, SlipStatus, acceleration_envelope, drive_limits, effective_motors, speed_envelope
-from holonom.sim import BaseLog
 
 __all__ = ["Findings", "write_base_report"]
 

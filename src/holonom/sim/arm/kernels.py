@@ -1,8 +1,7 @@
-"""The multi-rate loop of all axes, compiled once for every robot: a robot comes in as the addresses of its kernels.
+"""An arm with its drives, compiled once for every robot: its dynamics come in as the address of a kernel.
 
-Current loop, motor and arm every 0.1 ms, speed loop every 0.5 ms, position loop every 1 ms. Each axis is a record of
-parameters and a record of state (`records.py`); devices and regulators are their own scalar steps, which take the
-nested records as their params.
+Motor and arm every 0.1 ms. Each axis is a record of parameters and a record of state (`records.py`); devices are their
+own scalar steps, which take the nested records as their params.
 """
 
 from __future__ import annotations
@@ -13,173 +12,57 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from holonom.control.kernels import (
-    acceleration_step,
-    axis_violation,
-    current_step,
-    position_step,
-    speed_step,
-    torque_to_current,
-)
-from holonom.devices.kernels import (
-    TrackingState,
-    armature_step,
-    count_angle,
-    encoder_counter,
-    extend_counter,
-    friction_torque,
-    gear_torque,
-    tracking_step,
-)
+from holonom.devices.drive_signals import JointSignals
+from holonom.devices.kernels import armature_step, encoder_counter, friction_torque, gear_torque
 from holonom.trace.pointer import call_kernel
 
-__all__ = ["CASCADE", "COMPUTED_TORQUE", "POSITION_TICK", "SPEED_TICK", "STOP", "advance"]
-
-CASCADE, COMPUTED_TORQUE, STOP = 0, 1, 2
-"""Who commands the current loops: the cascade, the model-based law, or the speed loops holding zero speed."""
-
-SPEED_TICK, POSITION_TICK = 5, 10
-"""Sample times of the speed and position loops, in steps of the current loop."""
+__all__ = ["arm_step", "compare", "sense"]
 
 Floats = NDArray[np.float64]
 Records = NDArray[np.void]
 
 
-@njit(cache=True, error_model="numpy")
-def advance(
-    mode: int,
-    plant: int,
-    model: int,
-    dt: float,
-    axes: Records,
-    states: Records,
-    reference: Floats,
-    surroundings: Floats,
-    work: Floats,
-) -> tuple[int, int, int, float]:
-    """Advance all axes over reference samples of 1 kHz.
+@njit(cache=True, error_model="numpy", forceinline=True)
+def arm_step(
+    plant: int, dt: float, axes: Records, states: Records, signals: JointSignals, source: Floats, target: Floats
+) -> float:
+    """One step of `dt` (s) under the voltages of `signals`; its currents are written. Return the contact force, N.
 
-    Parameters
-    ----------
-    mode
-        CASCADE, COMPUTED_TORQUE or STOP.
-    plant, model
-        Addresses of the arm's plant kernel and of the controller's inverse dynamics.
-    dt
-        Step of the current loop, s.
-    axes, states
-        (n,) records `AXIS` and `STATE`; the states are advanced in place.
-    reference
-        (3, ticks, n): positions, speeds, accelerations.
-    surroundings
-        (7,): payload mass and centre of mass, ground height, stiffness, damping.
-    work
-        Scratch, (8 n + 8,).
-
-    Returns
-    -------
-    Violation code (0: none), the axis and 1 kHz tick at which it was found, largest contact force (N).
+    `plant` is the address of the arm's kernel; `source` (3 n + 7,) ends with payload and ground, `target` is (n + 1,).
     """
     n = states.shape[0]
-    source, target, law = work[: 3 * n + 7], work[3 * n + 7 : 4 * n + 8], work[4 * n + 8 :]
-    source[3 * n :] = surroundings
-    touch = 0.0
-    for step in range(reference.shape[1] * POSITION_TICK):
-        tick = step // POSITION_TICK
-        if step % SPEED_TICK == 0:
-            for i in range(n):
-                _read_encoder(axes[i], states[i])
-        if step % POSITION_TICK == 0 and mode != STOP:
-            for i in range(n):
-                code = _watch(axes[i], states[i], reference[0, tick, i])
-                if code != 0:
-                    return code, i, tick, touch
-            if mode == CASCADE:
-                for i in range(n):
-                    _position_loop(axes[i], states[i], reference[0, tick, i], reference[1, tick, i])
-            else:
-                _model_law(model, axes, states, reference[:, tick], law)
-        if step % SPEED_TICK == 0 and mode != COMPUTED_TORQUE:
-            for i in range(n):
-                _speed_loop(axes[i], states[i], mode)
-        for i in range(n):
-            _drive(axes[i], states[i])
-            source[i] = states[i].position
-            source[n + i] = states[i].speed
-            source[2 * n + i] = states[i].torque
-        call_kernel(plant, source, target)
-        touch = max(touch, float(target[n]))
-        for i in range(n):
-            _move(states[i], target[i], dt)
-    return 0, 0, 0, touch
-
-
-@njit(cache=True, error_model="numpy")
-def _read_encoder(axis: Any, state: Any) -> None:
-    """Counter, its 64-bit extension and the observer; the motor's own torque is the acceleration it knows of."""
-    counter = encoder_counter(axis.encoder, axis.gear.ratio * state.position)
-    state.count = extend_counter(state.count, counter)
-    known = axis.torque_constant * state.current / axis.inertia
-    before = TrackingState(state.angle, state.rate, state.load)
-    after = tracking_step(axis.tracking, before, count_angle(axis.encoder, state.count), known)
-    state.angle, state.rate, state.load = after.angle, after.speed, after.load
-
-
-@njit(cache=True, error_model="numpy")
-def _watch(axis: Any, state: Any, reference: float) -> int:
-    """Following error statistics (true position), and the limits as the controller sees them."""
-    error = reference - state.position
-    state.peak_error = max(state.peak_error, abs(error))
-    state.square_error += error * error
-    ratio = axis.gear.ratio
-    return axis_violation(axis.limits, reference, state.angle / ratio, state.rate / ratio, state.current)
-
-
-@njit(cache=True, error_model="numpy")
-def _position_loop(axis: Any, state: Any, reference: float, speed: float) -> None:
-    ratio = axis.gear.ratio
-    state.speed_reference = position_step(axis.position, ratio * reference, ratio * speed, state.angle)
-
-
-@njit(cache=True, error_model="numpy")
-def _speed_loop(axis: Any, state: Any, mode: int) -> None:
-    wanted = 0.0 if mode == STOP else state.speed_reference
-    state.current_reference, state.speed_integral = speed_step(
-        axis.speed, state.speed_integral, wanted, state.rate, 0.0
-    )
-
-
-@njit(cache=True, error_model="numpy")
-def _model_law(model: int, axes: Records, states: Records, reference: Floats, law: Floats) -> None:
-    """tau = B(q) u + h(q, qd_ref): friction is fed forward along the reference, so that it does not chatter at rest."""
-    n = states.shape[0]
-    source, target = law[: 3 * n], law[3 * n :]
     for i in range(n):
-        axis, state = axes[i], states[i]
-        position, speed = state.angle / axis.gear.ratio, state.rate / axis.gear.ratio
-        u, state.law_integral = acceleration_step(
-            axis.law,
-            state.law_integral,
-            reference[0, i] - position,
-            reference[1, i] - speed,
-            reference[2, i],
-            state.saturated,
-        )
-        source[i], source[n + i], source[2 * n + i] = position, reference[1, i], u
-    call_kernel(model, source, target)
+        _drive(axes[i], states[i], signals.voltages[i])
+        source[i], source[n + i], source[2 * n + i] = states[i].position, states[i].speed, states[i].torque
+    call_kernel(plant, source, target)
     for i in range(n):
-        axis, state = axes[i], states[i]
-        per_ampere = axis.gear.ratio * axis.torque_constant
-        state.current_reference, state.saturated = torque_to_current(target[i], per_ampere, axis.speed.max_current)
+        _move(states[i], target[i], dt)
+        signals.currents[i] = states[i].current
+    return float(target[n])
 
 
-@njit(cache=True, error_model="numpy")
-def _drive(axis: Any, state: Any) -> None:
-    """Current loop, armature, motor friction and gear of one step."""
+@njit(cache=True, error_model="numpy", forceinline=True)
+def sense(axes: Records, states: Records, signals: JointSignals) -> None:
+    """Write the counters of the encoders."""
+    for i in range(states.shape[0]):
+        axis = axes[i]
+        signals.counters[i] = encoder_counter(axis.encoder, axis.gear.ratio * states[i].position)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def compare(states: Records, reference: Floats) -> None:
+    """Following errors: the true positions against a reference (n,)."""
+    for i in range(states.shape[0]):
+        state = states[i]
+        error = reference[i] - state.position
+        state.peak_error = max(state.peak_error, abs(error))
+        state.square_error += error * error
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _drive(axis: Any, state: Any, voltage: float) -> None:
+    """Armature, motor friction and gear of one step."""
     speed = axis.gear.ratio * state.speed
-    voltage, state.current_integral = current_step(
-        axis.current, state.current_integral, state.current_reference, state.current, state.rate
-    )
     state.current = armature_step(axis.armature, state.current, voltage, speed)
     motor = axis.torque_constant * state.current - friction_torque(axis.friction, speed)
     state.voltage = voltage
@@ -189,7 +72,7 @@ def _drive(axis: Any, state: Any) -> None:
     state.peak_torque = max(state.peak_torque, abs(state.torque))
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, error_model="numpy", forceinline=True)
 def _move(state: Any, acceleration: float, dt: float) -> None:
     """Semi-implicit Euler: speed first, then position with the new speed."""
     state.speed += dt * acceleration

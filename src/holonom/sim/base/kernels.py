@@ -1,4 +1,4 @@
-"""One step of a base's plant, compiled: motors, wheels, slip on the floor and the rigid body, semi-implicit.
+"""A millisecond of a base's plant, compiled: motors, wheels, slip on the floor, the rigid body, sensors.
 
 The slip force is stiff: a wheel of 0.1 kg at its rim follows the floor within a fraction of a millisecond. Force is
 therefore taken as `F + k ds`, with the slope k of the slip curve (where it rises) and the slip at the end of the
@@ -10,17 +10,31 @@ the forces, so that mechanical energy balances to rounding.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from holonom.devices.kernels import armature_step
-from holonom.trace.compiled import arctan, select, sincos_half_turn
-from holonom.trace.simd import any_of, packed, total
+from holonom.devices.drive_signals import WheelSignals
+from holonom.devices.kernels import EncoderParams, armature_step, encoder_counter
+from holonom.trace.compiled import arctan, select, sincos, sincos_half_turn
+from holonom.trace.simd import WIDTH, any_of, load, packed, store, total
 
-__all__ = ["BLOCKED", "DEAD", "GRAVITY", "RUNS", "break_motor", "find_material", "plant_steps", "slip_friction"]
+__all__ = [
+    "BLOCKED",
+    "DEAD",
+    "GRAVITY",
+    "RUNS",
+    "BasePlantParams",
+    "SensorParams",
+    "advance",
+    "break_motor",
+    "find_material",
+    "plant_steps",
+    "sense",
+    "slip_friction",
+]
 
 RUNS, DEAD, BLOCKED = 0, 1, 2
 """A motor that works, one without current that turns freely, one that is jammed."""
@@ -32,7 +46,85 @@ LEAST_SLIP = 1e-9  # m/s, keeps the direction of slip defined
 JAMMED = 1e12  # kg m2
 
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 Records = NDArray[np.void]
+
+
+class SensorParams(NamedTuple):
+    """Gyro and accelerometer: standard deviation of a sample, offset; shunt: standard deviation."""
+
+    gyro_noise: float
+    gyro_bias: float
+    accelerometer_noise: float
+    accelerometer_bias: float
+    current_noise: float
+
+
+class BasePlantParams(NamedTuple):
+    """A base on its floor, with its sensors and what breaks."""
+
+    body: Records  # (1,)
+    wheels: Records  # (n,) fours
+    passive: Floats  # (k, 3) how weight and its moments spread over the supports beside the driven wheels
+    floor: Records
+    patches: Records
+    faults: Integers  # (f, 3) tick, wheel, kind, in order of time
+    sensors: SensorParams
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def advance(params: BasePlantParams, state: Records, states: Records, signals: WheelSignals, noise: Floats) -> None:
+    """One millisecond under the voltages of `signals`, then what the sensors read, in it.
+
+    `noise` (3 + 4 n,) are standard normal numbers: gyro, accelerometers, shunts.
+    """
+    body = state[0]
+    near = _floor(params.floor, params.patches, body, params.wheels, states, body.near != 0)
+    body.near = 1 if near else 0
+    for i in range(len(states)):
+        packed(states[i]).voltage = load(signals.voltages, i)
+    plant_steps(params.body[0], body, params.wheels, states, params.passive)
+    body.tick += 1
+    sense(params, state, states, signals, noise)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def sense(params: BasePlantParams, state: Records, states: Records, signals: WheelSignals, noise: Floats) -> None:
+    """What breaks now breaks; then counters (16 bit), currents (A), turning rate (rad/s) and acceleration (m/s2)."""
+    body, sensors = state[0], params.sensors
+    while body.fault < len(params.faults) and params.faults[body.fault, 0] <= body.tick:
+        wheel = params.faults[body.fault, 1]
+        break_motor(states[wheel // WIDTH], wheel % WIDTH, params.faults[body.fault, 2])
+        body.fault += 1
+    signals.inertial[0] = body.w + sensors.gyro_bias + sensors.gyro_noise * noise[0]
+    signals.inertial[1] = body.ax + sensors.accelerometer_bias + sensors.accelerometer_noise * noise[1]
+    signals.inertial[2] = body.ay + sensors.accelerometer_bias + sensors.accelerometer_noise * noise[2]
+    for i in range(len(states)):
+        wheel, own = params.wheels[i], states[i]
+        for lane in range(WIDTH):
+            encoder = EncoderParams(wheel.encoder.counts_per_rad[lane], wheel.encoder.resolution[lane])
+            counter = encoder_counter(encoder, wheel.gear.ratio[lane] * own.angle[lane])
+            signals.counters[i * WIDTH + lane] = counter
+        store(signals.currents, i, packed(own).current + sensors.current_noise * load(noise[3:], i))
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _floor(floor: Records, patches: Records, base: Any, wheels: Records, states: Records, near: bool) -> bool:
+    """Look up the material under each wheel, if a patch is near or was (`near`); whether one is."""
+    s, c = sincos(base.theta)
+    base.cosine, base.sine = c, s
+    was, near = near, False
+    for k in range(len(patches)):
+        patch = patches[k]
+        reach = patch.reach + wheels[0].reach[0]
+        near = near or (abs(base.x - patch.x) <= reach and abs(base.y - patch.y) <= reach)
+    if not (near or was):
+        return False
+    for i in range(len(wheels)):
+        for lane in range(WIDTH):
+            x, y = wheels[i].x[lane], wheels[i].y[lane]
+            find_material(floor, patches, base.x + c * x - s * y, base.y + s * x + c * y, states[i], lane)
+    return near
 
 
 @njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)

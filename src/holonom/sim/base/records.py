@@ -1,82 +1,17 @@
-"""Memory layout of a simulated base: records of parameters, of state, and of what is logged each millisecond."""
+"""Memory layout of a simulated base: records of parameters, of state, and of what is true each millisecond."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
-from holonom.sim.arm.records import AXIS
+from holonom.devices.kernels import ArmatureParams, EncoderParams, FrictionParams, GearParams
 from holonom.sim.base.floor import MATERIAL
+from holonom.trace.records import layout_of, padded
 from holonom.trace.simd import WIDTH
 
-__all__ = [
-    "BODY",
-    "BODY_GROUPS",
-    "BODY_SAMPLE",
-    "BODY_STATE",
-    "FLAGGED",
-    "HELD",
-    "LOST",
-    "STATUS",
-    "WHEEL",
-    "WHEEL_SAMPLE",
-    "WHEEL_STATE",
-    "aligned_records",
-    "side_by_side",
-]
+__all__ = ["BODY", "BODY_SAMPLE", "BODY_STATE", "WHEEL", "WHEEL_SAMPLE", "WHEEL_STATE"]
 
-F = np.float64
-
-CACHE_LINE = 64
-
-
-def _padded(fields: list[tuple[str, Any]]) -> np.dtype[np.void]:
-    """Record of whole cache lines: the compiled step takes a quarter longer where fields lie across them."""
-    plain = np.dtype(fields)
-    spare = -plain.itemsize % CACHE_LINE // 8
-    return np.dtype([*fields, ("spare", F, (spare,))]) if spare else plain
-
-
-def aligned_records(rows: Any, dtype: np.dtype[np.void]) -> NDArray[np.void]:
-    """Copy rows, as `np.array` takes them or fewer fields, into records that begin at a cache line."""
-    buffer = np.zeros(len(rows) * dtype.itemsize + CACHE_LINE, np.uint8)
-    first = -buffer.ctypes.data % CACHE_LINE
-    records: NDArray[np.void] = buffer[first : first + len(rows) * dtype.itemsize].view(dtype)
-    for record, row in zip(records, rows, strict=True):
-        for name, value in zip(dtype.names or (), row, strict=False):
-            record[name] = value
-    return records
-
-
-def side_by_side(rows: NDArray[np.void], **filling: float) -> NDArray[np.void]:
-    """Lay records side by side, four in one, for `trace.simd.packed`.
-
-    The last row is repeated until the four are full, with other values of the fields in `filling`.
-    """
-    count = -(-len(rows) // WIDTH)
-    blocks = aligned_records([()] * count, _in_lanes(rows.dtype))
-    _lay(blocks, rows[np.minimum(np.arange(count * WIDTH), len(rows) - 1)].reshape(count, WIDTH))
-    for name, value in filling.items():
-        blocks[name].flat[len(rows) :] = value
-    return blocks
-
-
-def _in_lanes(dtype: np.dtype[np.void]) -> np.dtype[np.void]:
-    """A record of four records: each number is an array (4,)."""
-    return np.dtype(
-        [(name, _in_lanes(dtype[name]) if dtype[name].names else (dtype[name], (WIDTH,))) for name in dtype.names or ()]
-    )
-
-
-def _lay(blocks: NDArray[np.void], rows: NDArray[np.void]) -> None:
-    for name in rows.dtype.names or ():
-        if rows.dtype[name].names:
-            _lay(blocks[name], rows[name])
-        else:
-            blocks[name] = rows[name]
-
+F, I = np.float64, np.int64
 
 WHEEL = np.dtype(
     [
@@ -90,10 +25,6 @@ WHEEL = np.dtype(
         ("across_arm", F),
         ("along_radius", F),  # slip along and across per wheel speed, m: r cos(gamma), -r sin(gamma)
         ("across_radius", F),
-        ("rim_x", F),  # row of D: rim speed (m/s) per (vx, vy, w)
-        ("rim_y", F),
-        ("rim_turn", F),
-        ("radius", F),
         ("reach", F),  # of the base: from its origin to the farthest contact, m
         ("gain", F),  # gear: wheel torque per motor torque, driving and driven back
         ("gain_back", F),
@@ -105,17 +36,15 @@ WHEEL = np.dtype(
         ("share_y", F),
         ("inertia", F),  # wheel and geared rotor, kg m2
         ("torque_constant", F),  # N m/A
-        ("armature", AXIS["armature"]),
-        ("friction", AXIS["friction"]),
-        ("gear", AXIS["gear"]),
-        ("encoder", AXIS["encoder"]),
-        ("tracking", AXIS["tracking"]),
-        ("speed_loop", AXIS["speed"]),
+        ("armature", layout_of(ArmatureParams)),
+        ("friction", layout_of(FrictionParams)),
+        ("gear", layout_of(GearParams)),
+        ("encoder", layout_of(EncoderParams)),
     ]
 )
 """One driven wheel with its motor."""
 
-BODY = np.dtype([("mass", F), ("inertia", F), ("height", F), ("dt", F), ("substeps", np.int64)])
+BODY = np.dtype([("mass", F), ("inertia", F), ("height", F), ("dt", F), ("substeps", I)])
 """The rigid body: kg, kg m2, height of its centre of mass (m); step of the plant (s), steps per millisecond."""
 
 WHEEL_STATE = np.dtype(
@@ -137,30 +66,11 @@ WHEEL_STATE = np.dtype(
         ("along_stiffness", F),  # force per slip speed, N s/m
         ("across_stiffness", F),
         ("yielding", F),  # change of wheel speed in a step per torque, with its own slip, s/(kg m2)
-        ("count", np.int64),  # what the controller knows: counter, observer (motor side)
-        ("counted", F),  # motor angle at the middle of the count, rad
-        ("seen_angle", F),
-        ("seen_speed", F),
-        ("seen_load", F),
-        ("integral", F),  # of the speed loop, A
-        ("current_reference", F),
-        ("rim_reference", F),  # m/s
-        ("rim", F),  # measured rim speed, m/s
-        ("measured_current", F),
-        ("modelled_current", F),
-        ("open", F),  # s for which no current flowed where there must be some
-        ("stuck", F),  # s for which it stood where it must not
-        ("lost", np.int64),  # what the watch says: WORKS, OPEN, JAMMED
-        ("works", F),  # 1 or 0: it is driven, or lost
-        ("force_x", F),  # rim force (N) that is asked of it per (N, N, N m) on the base
-        ("force_y", F),
-        ("force_turn", F),
-        ("cut", F),  # traction control: part of the drive force that is left, 0 to 1
     ]
 )
-"""State of one driven wheel: plant first, then its controller."""
+"""State of one driven wheel."""
 
-BODY_STATE = _padded(
+BODY_STATE = padded(
     [
         ("x", F),
         ("y", F),
@@ -177,62 +87,27 @@ BODY_STATE = _padded(
         ("airgap", F),
         ("drag", F),  # motor friction and gears
         ("ground", F),  # slip and rollers
-        ("seen_x", F),  # estimates
-        ("seen_y", F),
-        ("seen_theta", F),
-        ("seen_vx", F),
-        ("seen_vy", F),
-        ("seen_w", F),
-        ("gyro_bias", F),
-        ("command_vx", F),
-        ("command_vy", F),
-        ("command_w", F),
-        ("integral_x", F),  # of the pose error, world frame, m s
-        ("integral_y", F),
-        ("integral_theta", F),
-        ("status", np.int64),  # of the slip detector
-        ("flagged", np.int64),
+        ("tick", I),  # ms since the start
+        ("fault", I),  # faults that have come
+        ("near", I),  # 1 or 0: whether a patch of another floor is near
     ]
 )
-"""State of the body, of the estimator and of the path keeping."""
+"""State of the body, and where the clock stands."""
+
+BODY_SAMPLE = np.dtype(
+    [
+        (name, F)
+        for name in (
+            "x", "y", "theta", "vx", "vy", "w", "ax", "ay", "supplied", "heat", "airgap", "drag", "ground",
+        )
+    ]
+)  # fmt: skip
+"""The body at one millisecond: fields of `BODY_STATE`."""
 
 WHEEL_SAMPLE = np.dtype(
     [
         (name, F, (WIDTH,))
-        for name in (
-            "speed",
-            "measured_speed",
-            "reference_speed",
-            "current",
-            "measured_current",
-            "voltage",
-            "force",
-            "cross_force",
-            "load",
-            "slip",
-            "friction_limit",
-        )
+        for name in ("speed", "angle", "current", "voltage", "force", "cross_force", "load", "slip", "friction_limit")
     ]
 )
 """Four wheels at one millisecond."""
-
-BODY_GROUPS = {
-    "pose": ("x", "y", "theta"),
-    "twist": ("vx", "vy", "w"),
-    "estimated_pose": ("seen_x", "seen_y", "seen_theta"),
-    "estimated_twist": ("seen_vx", "seen_vy", "seen_w"),
-    "reference_pose": ("ref_x", "ref_y", "ref_theta"),
-    "reference_twist": ("ref_vx", "ref_vy", "ref_w"),
-    "rate": ("rate",),
-    "gyro": ("gyro",),
-    "acceleration": ("imu_x", "imu_y"),
-    "energy": ("supplied", "heat", "airgap", "drag", "ground"),
-}
-"""Neighbouring numbers of `BODY_SAMPLE` that make one array of the log."""
-
-BODY_SAMPLE = np.dtype([(name, F) for group in BODY_GROUPS.values() for name in group])
-"""The body at one millisecond; every field has 8 bytes."""
-
-STATUS, FLAGGED, LOST, HELD = 0, 1, 2, 3
-"""Columns of what the controller says each millisecond, (N, 4) integers: status of the slip detector; wheels that slip,
-motors that are lost, those of them that are jammed: sets, bit i for wheel i."""

@@ -8,9 +8,9 @@ from demo_cell import (
     ARM,
     HOME,
     ListSink,
+    make_arm,
     make_disc,
     make_dry,
-    make_machine,
     make_world,
     motion,
     run_dry,
@@ -20,8 +20,8 @@ from demo_cell import (
 
 from holonom.errors import DriveFault, MotionError
 from holonom.lang import Machine, Motion, Part, compile_program
+from holonom.machine import ArmMachine
 from holonom.signals import DriveState, Event, FramePoses, JointCommand, JointState, Signal
-from holonom.sim import SimulatedMachine
 
 SMALL = HOME + np.array([0.3, -0.1, 0.1, 0.0, 0.1, 0.2])
 OTHER = HOME + np.array([-0.2, 0.1, -0.1, 0.1, 0.0, 0.0])
@@ -50,7 +50,8 @@ PROGRAM = """
 def test_both_machines_run_the_same_program_to_the_same_joints() -> None:
     part = Part("coin", tool_down(0.55, -0.1, 0.301), (1.0, 0.55, -0.1, 0.0, 3e-4, 0.02))
     world = make_world([make_disc(0.55, -0.1)])
-    simulated, sink = make_machine(world, [part])
+    arm, sink = make_arm(world, [part])
+    simulated = arm.machine
     dry = make_dry([part])
     machines: list[Machine] = [simulated, dry]
     program = compile_program(PROGRAM)
@@ -68,7 +69,7 @@ def test_both_machines_run_the_same_program_to_the_same_joints() -> None:
     assert world.discs[0].pose[1, 3] == pytest.approx(0.05, abs=2e-3), "it was carried by 150 mm"
 
 
-def advance(machine: SimulatedMachine, ticks: int = 2000) -> int:
+def advance(machine: ArmMachine, ticks: int = 2000) -> int:
     """Until the arm is at rest; the ticks it took."""
     for tick in range(ticks):
         if machine.idle():
@@ -78,7 +79,8 @@ def advance(machine: SimulatedMachine, ticks: int = 2000) -> int:
 
 
 def test_a_motion_is_taken_made_and_settled() -> None:
-    machine, _ = make_machine()
+    arm, _ = make_arm()
+    machine = arm.machine
     assert machine.idle()
     assert machine.move(motion(SMALL, line=7))
     assert not machine.idle()
@@ -91,7 +93,8 @@ def test_a_motion_is_taken_made_and_settled() -> None:
 
 
 def test_one_motion_waits_behind_the_one_under_way() -> None:
-    machine, _ = make_machine()
+    arm, _ = make_arm()
+    machine = arm.machine
     assert machine.move(motion(SMALL, line=1))
     assert machine.move(motion(OTHER, line=2)), "the first may be blended into"
     assert not machine.move(motion(HOME, line=3)), "the second has not begun"
@@ -106,7 +109,8 @@ def test_one_motion_waits_behind_the_one_under_way() -> None:
 
 def via_speed(*, blend: bool) -> tuple[float, float]:
     """Least joint speed on the way between two motions in the same direction, and the time for both."""
-    machine, sink = make_machine()
+    arm, sink = make_arm()
+    machine = arm.machine
     goal, ticks = 2 * SMALL - HOME, 0
     assert machine.move(motion(SMALL, blend=blend))
     taken = False
@@ -128,14 +132,15 @@ def test_continuous_path_does_not_stop_between_motions() -> None:
 
 
 def test_halt_brakes_on_the_path() -> None:
-    machine, sink = make_machine()
+    arm, sink = make_arm()
+    machine = arm.machine
     machine.move(motion(SMALL))
     for _ in range(25):
         machine.advance()
-    assert np.abs(machine.plant.qd).max() > 0.3
+    assert np.abs(arm.loop.plant.qd).max() > 0.3
     before = len(sink.of(JointState))
     machine.halt()
-    assert np.abs(machine.plant.qd).max() < 0.02
+    assert np.abs(arm.loop.plant.qd).max() < 0.02
     states = np.array([state.position for state in sink.of(JointState)][before:])
     assert len(states) > 3
     way = (states - HOME) / np.where(SMALL == HOME, np.inf, SMALL - HOME)
@@ -148,18 +153,19 @@ def test_halt_brakes_on_the_path() -> None:
 
 def test_a_drive_fault_ends_at_rest() -> None:
     """The hand suddenly holds more than the drives can carry; once it has let go, they hold zero speed."""
-    machine, _ = make_machine()
+    arm, _ = make_arm()
+    machine = arm.machine
     machine.move(motion(SMALL, line=5))
     for _ in range(25):
         machine.advance()
-    machine.plant.payload = np.array([500.0, 0.0, 0.0, 0.0])
-    rest = machine._next_samples()[:, -1:].repeat(300, axis=1)
+    arm.loop.plant.payload = np.array([500.0, 0.0, 0.0, 0.0])
+    rest = machine.queue.take(10)[:, -1:].repeat(300, axis=1)
     with pytest.raises(DriveFault):
-        machine.plant.advance(rest)
+        arm.loop.advance(rest)
     assert machine.active_line == 5
-    machine.plant.payload = np.zeros(4)
+    arm.loop.plant.payload = np.zeros(4)
     machine.brake()
-    assert np.abs(machine.plant.qd).max() < 0.02
+    assert np.abs(arm.loop.plant.qd).max() < 0.02
     assert machine.idle()
 
 
@@ -174,7 +180,8 @@ def test_a_drive_fault_ends_at_rest() -> None:
     ],
 )
 def test_what_cannot_be_made_is_a_motion_error_on_both(wanted: Motion, said: str) -> None:
-    machine, _ = make_machine()
+    arm, _ = make_arm()
+    machine = arm.machine
     with pytest.raises(MotionError, match=said):
         machine.move(wanted)
     assert machine.idle()
@@ -197,16 +204,18 @@ def test_a_dry_machine_takes_a_motion_a_tick_and_counts_its_time() -> None:
     assert not dry.move(motion(HOME))
     dry.tick()
     once = dry.time()
-    machine, _ = make_machine()
+    arm, _ = make_arm()
+    machine = arm.machine
     machine.move(motion(SMALL))
-    assert once == pytest.approx(0.01 * len(machine._planned.q) / 10, abs=0.011)
+    assert once == pytest.approx(0.01 * len(machine.queue.planned.q) / 10, abs=0.011)
     assert dry.move(motion(SMALL))
     dry.tick()
     assert dry.time() == pytest.approx(once + 0.01), "where it already stands: a tick"
 
 
 def test_every_tick_is_recorded_once() -> None:
-    machine, sink = make_machine(make_world([make_disc(0.55, -0.1)]))
+    arm, sink = make_arm(make_world([make_disc(0.55, -0.1)]))
+    machine = arm.machine
     machine.move(motion(SMALL))
     machine.set_signal(2, True)
     machine.set_signal(2, True)
@@ -219,14 +228,15 @@ def test_every_tick_is_recorded_once() -> None:
     frames: FramePoses = sink.of(FramePoses)[-1]
     assert frames.names[-1] == "coin_01"
     T = dict(zip(frames.names, frames.poses, strict=True))
-    np.testing.assert_array_equal(T["tool"], machine.pose())
+    np.testing.assert_array_equal(T["tool"], ARM.fk(arm.loop.plant.q))
     gap = T["finger_left"][:3, 3] - T["finger_right"][:3, 3]
-    np.testing.assert_allclose(gap, machine.world.opening * T["tool"][:3, 1], atol=1e-12)
+    np.testing.assert_allclose(gap, arm.world.opening * T["tool"][:3, 1], atol=1e-12)
 
 
 def test_a_collision_is_recorded_where_it_happened() -> None:
     world = make_world([make_disc(0.55, -0.1)])
-    machine, sink = make_machine(world)
+    arm, sink = make_arm(world)
+    machine = arm.machine
     machine.move(motion(tool_down(0.55, -0.085, 0.36)))
     advance(machine)
     machine.move(motion(tool_down(0.55, -0.085, 0.301), kind="line", line=4))
@@ -237,4 +247,4 @@ def test_a_collision_is_recorded_where_it_happened() -> None:
     assert isinstance(sink, ListSink)
     assert machine.pose()[2, 3] < 0.3025
     machine.halt()
-    assert np.abs(machine.plant.qd).max() < 0.02
+    assert np.abs(arm.loop.plant.qd).max() < 0.02

@@ -1,4 +1,4 @@
-"""Wheels of a base in the compiled loop: sensors, watch, force and speed of each, four at once in a register.
+"""Wheels of a base as its controller sees them: sensors, watch, force and speed of each, four at once in a register.
 
 What is called `wheel` and `own` is four wheels and their states, `packed`. Whole numbers are taken lane by lane.
 """
@@ -29,7 +29,6 @@ from holonom.devices.kernels import (
     EncoderParams,
     TrackingState,
     count_angle,
-    encoder_counter,
     extend_counter,
     friction_torque,
     tracking_step,
@@ -53,22 +52,22 @@ __all__ = [
 
 SLIPPING_WEIGHT = 0.3  # in the allocation of force: a wheel on ice is asked last
 Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 Records = NDArray[np.void]
 
 
 @njit(cache=True, error_model="numpy", forceinline=True)
-def sense(wheels: Any, states: Any, current_noise: Any) -> None:
-    """Encoders, observers and shunts of four wheels; their rim speeds, m/s."""
+def sense(wheels: Any, states: Any, counters: Integers, currents: Any, block: int) -> None:
+    """Counters, observers and shunts of four wheels, a block of those that are measured; their rim speeds, m/s."""
     wheel, own = packed(wheels), packed(states)
     for lane in range(WIDTH):
         encoder = EncoderParams(wheels.encoder.counts_per_rad[lane], wheels.encoder.resolution[lane])
-        counter = encoder_counter(encoder, wheels.gear.ratio[lane] * states.angle[lane])
-        states.count[lane] = extend_counter(states.count[lane], counter)
+        states.count[lane] = extend_counter(states.count[lane], counters[block * WIDTH + lane])
         states.counted[lane] = count_angle(encoder, states.count[lane])
     before = TrackingState(own.seen_angle, own.seen_speed, own.seen_load)
     after = tracking_step(wheel.tracking, before, own.counted, 0.0)
     own.seen_angle, own.seen_speed, own.seen_load = after.angle, after.speed, after.load
-    own.measured_current = own.current + current_noise
+    own.measured_current = currents
     own.modelled_current = wheel.armature.conductance * (own.voltage - wheel.armature.back_emf * after.speed)
     own.rim = wheel.radius * after.speed / wheel.gear.ratio
 
@@ -103,7 +102,7 @@ def watch_motors(params: WatchParams, wheels: Records, states: Records, m: int, 
 def set_weights(traction: bool, states: Records, named: int, trust: Floats, weights: Floats) -> int:
     """Which wheels are believed (one without current turns freely) and asked for force; set of those that jam."""
     jams = 0
-    for i in range(len(trust)):
+    for i in range(len(weights)):
         slips, lost = (named >> i) & 1 == 1, states[i // WIDTH].lost[i % WIDTH]
         jams |= (1 << i) if lost == JAMMED else 0
         trust[i] = 0.0 if slips or lost == JAMMED else 1.0

@@ -1,13 +1,15 @@
-"""The plant: what statics and its own data sheets say of an arm that stands, lifts, hits a limit or the table."""
+"""The loop: what statics and its own data sheets say of an arm that stands, lifts, hits a limit or the table."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from demo_cell import ARM, HOME, make_plant, stand
+from demo_cell import ARM, HOME, make_loop, stand
 
+from holonom.closed_loop import ArmLoop
 from holonom.errors import DriveFault, UnknownName
-from holonom.sim import CONTROLLERS, ControlSettings, Ground, Plant
+from holonom.machine import CONTROLLERS, ControlSettings
+from holonom.sim import Ground
 
 JOINTS = ARM.model.joints
 PER_AMPERE = np.array([joint.motor.gear_ratio * joint.motor.torque_constant for joint in JOINTS])
@@ -19,34 +21,34 @@ FRICTION = np.array([max(joint.friction.coulomb_positive, joint.friction.coulomb
 @pytest.mark.parametrize("controller", CONTROLLERS)
 def test_a_standing_arm_stands(controller: str) -> None:
     """Within two encoder counts, with the currents that carry its weight, up to what friction carries."""
-    plant = make_plant(controller)
-    stand(plant, HOME, 1.0)
+    loop = make_loop(controller)
+    stand(loop, HOME, 1.0)
     currents = []
     for _ in range(10):
-        stand(plant, HOME, 0.1)
-        assert (np.abs(plant.q - HOME) <= 2.0 * COUNT).all(), (plant.q - HOME) / COUNT
-        assert np.abs(plant.qd).max() < 0.02
-        currents.append(plant.states["current"].copy())
+        stand(loop, HOME, 0.1)
+        assert (np.abs(loop.plant.q - HOME) <= 2.0 * COUNT).all(), (loop.plant.q - HOME) / COUNT
+        assert np.abs(loop.plant.qd).max() < 0.02
+        currents.append(loop.plant.states["current"].copy())
     gravity = ARM.gravity(HOME)
     assert np.abs(gravity).max() > 5.0
     assert (np.abs(PER_AMPERE * np.mean(currents, axis=0) - gravity) <= FRICTION).all()
-    assert plant.time == pytest.approx(2.0)
+    assert loop.time == pytest.approx(2.0)
 
 
 @pytest.mark.parametrize("controller", CONTROLLERS)
 def test_it_starts_in_balance(controller: str) -> None:
     """The first steps of the motors, before any loop has seen an error, leave it at rest."""
-    plant = make_plant(controller)
-    np.testing.assert_allclose(PER_AMPERE * plant.states["current"], ARM.gravity(HOME), atol=1e-12)
-    stand(plant, HOME, 0.1)
-    assert (plant.states["peak_error"] <= 2.0 * COUNT).all()
+    loop = make_loop(controller)
+    np.testing.assert_allclose(PER_AMPERE * loop.plant.states["current"], ARM.gravity(HOME), atol=1e-12)
+    stand(loop, HOME, 0.1)
+    assert (loop.plant.states["peak_error"] <= 2.0 * COUNT).all()
 
 
 def creep(payload: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Mean drive torques and joints while all joints creep forth and back, in which Coulomb friction cancels."""
-    plant = make_plant()
-    plant.payload = payload
-    stand(plant, HOME, 0.5)
+    loop = make_loop()
+    loop.plant.payload = payload
+    stand(loop, HOME, 0.5)
     n, rate = 1000, 0.1
     course = rate * 1e-3 * np.concatenate([np.arange(n), np.arange(n, 0, -1)])
     speed = rate * np.repeat([1.0, -1.0], n)
@@ -54,10 +56,10 @@ def creep(payload: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     for k in range(0, 2 * n, 10):
         rows = slice(k, k + 10)
         q, qd = HOME + course[rows, None], np.tile(speed[rows, None], (1, 6))
-        plant.advance(np.stack([q, qd, np.zeros((10, 6))]))
+        loop.advance(np.stack([q, qd, np.zeros((10, 6))]))
         if k % n >= 300:
-            torques.append(PER_AMPERE * plant.states["current"])
-            joints.append(plant.q)
+            torques.append(PER_AMPERE * loop.plant.states["current"])
+            joints.append(loop.plant.q)
     return np.mean(torques, axis=0), np.mean(joints, axis=0)
 
 
@@ -76,59 +78,59 @@ def test_a_payload_takes_current() -> None:
 
 @pytest.mark.parametrize("axis", [0, 2, 4])
 def test_a_following_error_trips_the_axis(axis: int) -> None:
-    plant = make_plant()
+    loop = make_loop()
     target = HOME.copy()
     target[axis] += 0.5
     with pytest.raises(DriveFault, match=f"{JOINTS[axis].name}.*following error"):
-        stand(plant, target, 1.0)
-    assert plant.time < 0.05
-    plant.brake(500)
-    assert np.abs(plant.qd).max() < 1e-2
-    assert np.abs(plant.q - HOME).max() < 0.05
+        stand(loop, target, 1.0)
+    assert loop.time < 0.05
+    loop.brake(500)
+    assert np.abs(loop.plant.qd).max() < 1e-2
+    assert np.abs(loop.plant.q - HOME).max() < 0.05
 
 
 def test_the_same_inputs_give_the_same_bits() -> None:
-    a, b = make_plant(), make_plant()
+    a, b = make_loop(), make_loop()
     rng = np.random.default_rng(5)
     for amplitude in 0.02 * rng.standard_normal((20, 6)):
         s = np.linspace(0.0, np.pi, 50)[:, None]
         reference = np.stack([HOME + amplitude * (1 - np.cos(2 * s)) / 2, 0 * s + 0 * HOME, 0 * s + 0 * HOME])
         a.advance(reference)
         b.advance(reference)
-    assert a.states.tobytes() == b.states.tobytes()
-    assert np.abs(a.states["peak_speed"]).min() > 0.0
+    assert a.plant.states.tobytes() == b.plant.states.tobytes()
+    assert np.abs(a.plant.states["peak_speed"]).min() > 0.0
 
 
 def test_time_in_one_piece_or_in_many() -> None:
-    a, b = make_plant(), make_plant()
+    a, b = make_loop(), make_loop()
     s = np.linspace(0.0, 1.0, 200)[:, None] ** 2 * (1 - np.linspace(0.0, 1.0, 200)[:, None]) ** 2
     reference = np.stack([HOME + 0.5 * s * np.ones(6), 0 * s * HOME, 0 * s * HOME])
     a.advance(reference)
     for k in range(0, 200, 10):
         b.advance(reference[:, k : k + 10])
-    assert a.states.tobytes() == b.states.tobytes()
+    assert a.plant.states.tobytes() == b.plant.states.tobytes()
 
 
-def press(ground: Ground) -> Plant:
+def press(ground: Ground) -> ArmLoop:
     """Send the tool straight down by 3 mm, slowly, and keep it there."""
-    plant = make_plant("cascade", ground=ground)
+    loop = make_loop("cascade", ground=ground)
     down = np.linalg.solve(ARM.jacobian(HOME), [0.0, 0.0, -3e-3, 0.0, 0.0, 0.0])
     for part in np.linspace(0.0, 1.0, 60):
-        stand(plant, HOME + part * down, 0.1)
-    stand(plant, HOME + down, 1.0)
-    return plant
+        stand(loop, HOME + part * down, 0.1)
+    stand(loop, HOME + down, 1.0)
+    return loop
 
 
 def test_a_tool_pressed_on_the_table() -> None:
     """At rest the motors push with the force that the table's spring returns at the depth of the tool."""
     ground = Ground(height=float(ARM.fk(HOME)[2, 3]) - 1e-3)
     pressed, free = press(ground), press(Ground())
-    sunk = ground.height - float(ARM.fk(pressed.q)[2, 3])
+    sunk = ground.height - float(ARM.fk(pressed.plant.q)[2, 3])
     assert sunk == pytest.approx(2e-3, abs=1e-4)
     force = ground.stiffness * sunk
-    assert pressed.touch == pytest.approx(force, rel=0.05)
-    assert free.touch == 0.0
-    torque = PER_AMPERE * (pressed.states["current"] - free.states["current"])
+    assert pressed.plant.touch == pytest.approx(force, rel=0.05)
+    assert free.plant.touch == 0.0
+    torque = PER_AMPERE * (pressed.plant.states["current"] - free.plant.states["current"])
     wanted = ARM.jacobian(HOME)[2] * -force
     assert wanted[1] < -1.5 * FRICTION[1]
     assert (np.abs(torque - wanted) <= FRICTION)[1:3].all(), "friction may carry the rest"
@@ -140,7 +142,7 @@ def test_settings_name_the_controllers() -> None:
 
 
 def test_peaks_are_those_of_the_run() -> None:
-    plant = Plant(ARM, HOME, ControlSettings())
+    loop = ArmLoop(ARM, HOME, ControlSettings())
     s = np.arange(500)[:, None] / 500
     way = 0.2 * np.array([1.0, 0, 0, 0, 0, 0])
     reference = np.stack(
@@ -150,7 +152,7 @@ def test_peaks_are_those_of_the_run() -> None:
             way / 0.25 * 2 * np.pi * np.sin(2 * np.pi * s),
         ]
     )
-    plant.advance(reference)
-    assert plant.states["peak_speed"][0] == pytest.approx(0.8, rel=0.02)
-    assert plant.q[0] == pytest.approx(HOME[0] + 0.2, abs=2e-3)
-    assert plant.states["peak_voltage"][0] <= JOINTS[0].motor.max_voltage
+    loop.advance(reference)
+    assert loop.plant.states["peak_speed"][0] == pytest.approx(0.8, rel=0.02)
+    assert loop.plant.q[0] == pytest.approx(HOME[0] + 0.2, abs=2e-3)
+    assert loop.plant.states["peak_voltage"][0] <= JOINTS[0].motor.max_voltage

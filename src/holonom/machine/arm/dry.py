@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.errors import MotionError
+from holonom.machine.arm.clock import PROGRAM_TICK
+from holonom.machine.arm.motions import LineSettings, MotionRequest, plan
 from holonom.mechanics import Arm
-from holonom.sim.arm.machine import PROGRAM_TICK
-from holonom.sim.arm.motions import LineSettings, MotionRequest, plan
 
 __all__ = ["DryMachine", "Problem"]
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from holonom.errors import OutOfLimits, ShapeError, UnknownName
-from holonom.sim.base.paths import HEADINGS, PATHS, ClosedCurve, PathLimits, circle, plan_path, waypoints
+from holonom.machine.base.paths import HEADINGS, PATHS, ClosedCurve, PathLimits, circle, plan_path, waypoints
 
 CURVES = [name for name in PATHS if PATHS[name].record is ClosedCurve]
 LIMITS = PathLimits(1.5, 2.0)

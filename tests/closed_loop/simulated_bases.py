@@ -7,7 +7,7 @@ import numpy as np
 from holonom.devices import DcMotor, Encoder, Friction, Gear
 from holonom.mobile.arrangements import differential, mecanum, omni
 from holonom.mobile.base import WheelBase
-from holonom.sim.base.plant import BaseDrive
+from holonom.mobile.drive.base_drive import BaseDrive
 
 # A RoboCup robot: mass, size, gear, wheel radius and inertia of a public model (robocup_model_params of the reference
 # data); motor of the 30 W flat class, assumed.

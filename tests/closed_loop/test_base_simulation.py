@@ -8,14 +8,17 @@ import numpy as np
 import pytest
 from simulated_bases import BASES, DRIVE, soccer
 
+from holonom.closed_loop.base import simulate_base
+from holonom.closed_loop.base_log import BaseLog
 from holonom.control.traction import TractionSettings
 from holonom.errors import ModelError, OutOfLimits, UnknownName
+from holonom.machine.base.paths import PathLimits, ReferencePath, figure_of_eight, plan_path
+from holonom.machine.base.settings import BaseSettings, Creep, slip_settings
+from holonom.mobile.drive.base_drive import BaseSensors
 from holonom.mobile.drive.coupling import Coupling
 from holonom.mobile.drive.slip import SlipStatus, detect_slip
 from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch
-from holonom.sim.base.log import BaseLog
-from holonom.sim.base.paths import PathLimits, ReferencePath, figure_of_eight, plan_path
-from holonom.sim.base.simulation import BaseFault, BaseSensors, BaseSettings, Creep, simulate_base, slip_settings
+from holonom.sim.base.plant import BaseFault
 
 BASE = soccer()
 EIGHT = plan_path(figure_of_eight(3.0), PathLimits(1.4, 2.0))

@@ -9,18 +9,10 @@ import numpy as np
 
 from holonom.app.arm.assembly import build_arm, line_settings
 from holonom.app.cell import load_cell
+from holonom.closed_loop import ArmLoop, SimulatedArm
 from holonom.lang import Configuration, Motion, Part, Program, Status, start, step
-from holonom.sim import (
-    ControlSettings,
-    Disc,
-    DryMachine,
-    Gripper,
-    Ground,
-    Plant,
-    SimulatedMachine,
-    Surface,
-    World,
-)
+from holonom.machine import ArmMachine, ControlSettings, DryMachine
+from holonom.sim import Disc, Gripper, Ground, Surface, World
 from holonom.spatial import pose
 
 CELL = load_cell(Path(__file__).resolve().parents[2] / "examples" / "01_sort_coins" / "cell.toml")
@@ -47,16 +39,16 @@ def tool_down(x: float, y: float, z: float) -> np.ndarray:
     return pose((x, y, z), DOWN)
 
 
-def make_plant(controller: str = "computed_torque", q: np.ndarray = HOME, ground: Ground = Ground()) -> Plant:
-    return Plant(ARM, q, ControlSettings(controller), ground)
+def make_loop(controller: str = "computed_torque", q: np.ndarray = HOME, ground: Ground = Ground()) -> ArmLoop:
+    return ArmLoop(ARM, q, ControlSettings(controller), ground)
 
 
-def stand(plant: Plant, q: np.ndarray, seconds: float) -> None:
+def stand(loop: ArmLoop, q: np.ndarray, seconds: float) -> None:
     """Hold a reference."""
     still = np.zeros((100, 6))
     reference = np.stack([np.tile(q, (100, 1)), still, still])
     for _ in range(round(10 * seconds)):
-        plant.advance(reference)
+        loop.advance(reference)
 
 
 def make_world(discs: Sequence[Disc] = ()) -> World:
@@ -69,12 +61,12 @@ def make_disc(x: float, y: float, name: str = "coin_01", radius: float = 0.01, t
     return Disc(name, radius, thickness, 0.0068, pose((x, y, 0.3 + thickness / 2)))
 
 
-def make_machine(
+def make_arm(
     world: World | None = None, parts: Sequence[Part] = (), controller: str = "computed_torque"
-) -> tuple[SimulatedMachine, ListSink]:
+) -> tuple[SimulatedArm, ListSink]:
     sink = ListSink()
-    plant, world = make_plant(controller), world or make_world()
-    return SimulatedMachine(plant, world, sink, look=lambda: parts, ready=HOME, line=LINES), sink
+    loop, world = make_loop(controller), world or make_world()
+    return SimulatedArm(loop, world, sink, look=lambda: parts, ready=HOME, line=LINES), sink
 
 
 def make_dry(parts: Sequence[Part] = ()) -> DryMachine:
@@ -88,7 +80,7 @@ def motion(to: np.ndarray, *, kind: str = "joint", blend: bool = True, line: int
     return Motion(kind, target, joints, configuration=Configuration(), blend=blend, line=line, **settings)
 
 
-def run_simulated(program: Program, machine: SimulatedMachine, seconds: float = 20.0) -> None:
+def run_simulated(program: Program, machine: ArmMachine, seconds: float = 20.0) -> None:
     state = start(program)
     while machine.time() < seconds:
         status = step(program, state, machine)

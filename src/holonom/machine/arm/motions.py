@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.errors import InputError, MotionError
+from holonom.machine.arm.clock import TICK
 from holonom.mechanics import Arm, IkStatus
 from holonom.mechanics.motion import Trajectory, plan_joint, plan_line
-from holonom.sim.arm.plant import TICK
 
 __all__ = ["LineSettings", "MotionRequest", "branch_joints", "plan"]
 

@@ -11,9 +11,10 @@ from simulated_bases import BASES, DRIVE, LOSSLESS, soccer
 from holonom.devices.kernels import friction_torque
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile.arrangements import ackermann, omni
+from holonom.mobile.drive.base_drive import BaseDrive
 from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch
 from holonom.sim.base.kernels import BLOCKED, DEAD, _friction, _solve, break_motor, slip_friction
-from holonom.sim.base.plant import BaseDrive, BasePlant
+from holonom.sim.base.plant import BasePlant
 
 SLICK = Floor(Material(0.0, 0.0, 0.1))
 
@@ -209,7 +210,7 @@ def test_slip_curve(peak: float, part: float, at: float) -> None:
     assert material.friction(at) == pytest.approx(peak, rel=1e-9)
     assert material.friction(1e6 * at) == pytest.approx(part * peak, abs=1e-4 * peak)
     assert material.friction(-at) == -material.friction(at)
-    record = BasePlant(BASES["omni 4"], DRIVE, Floor(material)).floor[0]
+    record = BasePlant(BASES["omni 4"], DRIVE, Floor(material)).params.floor[0]
     for s in at * np.array([-0.9, -0.3, 0.0, 0.2, 0.7]):
         mu, slope = slip_friction(record, s)
         assert mu == pytest.approx(material.friction(s), rel=1e-12)

@@ -1,0 +1,112 @@
+"""`ArmLoop`: the servos of an arm and a simulated arm, advanced in compiled code along references."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from holonom.closed_loop.arm_kernels import run_reference
+from holonom.devices import Encoder, Gear
+from holonom.machine.arm.kernels import STOP
+from holonom.machine.arm.servos import STEP, ArmServos, ControlSettings, joint_friction, joint_motor
+from holonom.mechanics import Arm
+from holonom.model import Joint
+from holonom.sim.arm.plant import ArmPlant, AxisDrive, Ground
+
+__all__ = ["ArmLoop", "drives_of"]
+
+Array = NDArray[np.float64]
+
+
+class ArmLoop:
+    """Servos and plant that do not know each other; they meet in `plant.signals`.
+
+    Parameters
+    ----------
+    arm
+        A model with complete motors; the plant is made of the same numbers.
+    q
+        Joints (n,), rad, where it stands at first.
+    settings
+        Controller, limits, levels.
+    ground
+        What lies under the tool.
+    """
+
+    def __init__(self, arm: Arm, q: ArrayLike, settings: ControlSettings, ground: Ground = Ground()) -> None:
+        self.arm, self.settings = arm, settings
+        self.servos = ArmServos(arm, q, settings)
+        self.plant = ArmPlant(arm, drives_of(arm), q, ground)
+        self.servos.start(q, self.plant.hold, self.plant.signals)
+        self._ticks = 0
+
+    @property
+    def tick(self) -> float:
+        """Sample time of a reference, s."""
+        return self.settings.levels.servo
+
+    @property
+    def position(self) -> Array:
+        """Measured joint positions (n,), rad."""
+        return self.servos.position
+
+    @property
+    def speed(self) -> Array:
+        """Measured joint speeds (n,), rad/s."""
+        return self.servos.speed
+
+    @property
+    def ticks(self) -> int:
+        """Reference samples since the start."""
+        return self._ticks
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        return self._ticks * self.tick
+
+    def advance(self, reference: Array) -> None:
+        """Advance over reference samples (3, ticks, n): positions, speeds, accelerations.
+
+        Raises
+        ------
+        DriveFault
+            An axis left a limit; the plant stands at the start of the tick at which it did.
+        """
+        code, axis, tick = self._run(self.servos.mode, reference)
+        self._ticks += reference.shape[1] if code == 0 else tick
+        if code != 0:
+            current = float(self.plant.signals.currents[axis])
+            raise self.servos.fault(code, axis, self.time, float(reference[0, tick, axis]), current)
+
+    def brake(self, ticks: int) -> None:
+        """Hold zero speed for some ticks, whatever the reference: the controlled stop after a fault."""
+        self._run(STOP, np.zeros((3, ticks, self.arm.n)))
+        self._ticks += ticks
+
+    def _run(self, mode: int, reference: Array) -> tuple[int, int, int]:
+        s, p = self.servos, self.plant
+        code, axis, tick, touch = run_reference(
+            mode, s.timing, s.clock, p.signals, s.model.address, s.axes, s.states, s.scratch,
+            p.kernel.address, STEP, p.axes, p.states, p.work(), np.ascontiguousarray(reference),
+        )  # fmt: skip
+        p.touch = max(p.touch, touch)
+        return code, axis, tick
+
+
+def drives_of(arm: Arm) -> list[AxisDrive]:
+    """The drives that an arm's model states, one per joint.
+
+    Raises
+    ------
+    ModelError
+        A joint without complete motor data.
+    """
+    return [_drive(joint) for joint in arm.model.joints]
+
+
+def _drive(joint: Joint) -> AxisDrive:
+    motor = joint_motor(joint)
+    assert joint.motor is not None
+    ratio = joint.motor.gear_ratio
+    return AxisDrive(motor, Gear(ratio), Encoder(joint.motor.encoder_counts), joint_friction(joint, ratio))

@@ -1,0 +1,171 @@
+"""The closed loop of a base: `BaseLoop`, stepped or in buffers; `simulate_base`, one whole run along a path."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from holonom.closed_loop.base_kernels import LogBuffer, joined, run_logged, run_ticks
+from holonom.closed_loop.base_log import BaseLog, log_of
+from holonom.errors import ModelError
+from holonom.machine.base.controller import BaseController
+from holonom.machine.base.kernels import DONE, RUNNING, STOPPED
+from holonom.machine.base.paths import ReferencePath
+from holonom.machine.base.records import CONTROL_SAMPLE, SEEN_WHEEL_SAMPLE
+from holonom.machine.base.settings import BaseSettings, Creep
+from holonom.mobile.base import WheelBase
+from holonom.mobile.drive.base_drive import BaseDrive
+from holonom.signals import Event
+from holonom.sim.base.floor import Floor
+from holonom.sim.base.plant import TICK, BaseFault, BasePlant
+from holonom.sim.base.records import BODY_SAMPLE, WHEEL_SAMPLE
+from holonom.trace.simd import WIDTH
+
+__all__ = ["BaseLoop", "simulate_base"]
+
+Array = NDArray[np.float64]
+
+SLOWEST = 0.2  # part of the path's speed below which a run is cut off
+ENDINGS = {RUNNING: "cut off", DONE: "done", STOPPED: "jammed"}
+
+
+class BaseLoop:
+    """A controller and a simulated base that do not know each other.
+
+    Parameters
+    ----------
+    controller, plant
+        They meet in `plant.signals`.
+    """
+
+    def __init__(self, controller: BaseController, plant: BasePlant) -> None:
+        self.controller, self.plant = controller, plant
+
+    def place(self, pose: ArrayLike, twist: ArrayLike = (0.0, 0.0, 0.0)) -> None:
+        """Put the base at a pose (3,) with a twist (3,) in base_link, and tell its controller."""
+        self.plant.place(pose, twist)
+        self.controller.place(pose, twist, signals=self.plant.signals)
+
+    def advance(self, ticks: int = 10) -> None:
+        """Drive on for some milliseconds."""
+        run_ticks(*self._arguments(), self.plant.noise(ticks))  # type: ignore[call-arg]
+
+    def advance_logged(self, log: LogBuffer) -> int:
+        """Drive on until the buffer is full or the path ends; return the milliseconds it took."""
+        return int(run_logged(*self._arguments(), self.plant.noise(len(log.body)), log))  # type: ignore[call-arg]
+
+    def buffer(self, ticks: int) -> LogBuffer:
+        """Return an empty buffer for some milliseconds."""
+        blocks = len(self.plant.states)
+        return LogBuffer(
+            np.zeros(ticks, BODY_SAMPLE),
+            np.zeros((ticks, blocks), WHEEL_SAMPLE),
+            np.zeros(ticks, CONTROL_SAMPLE),
+            np.zeros((ticks, len(SEEN_WHEEL_SAMPLE), WIDTH * blocks)),
+        )
+
+    def _arguments(self) -> tuple[Any, ...]:
+        c, p = self.controller, self.plant
+        return c.params, c.task, p.signals, c.state, c.wheels, c.states, c.work, p.params, p.state, p.states
+
+
+def simulate_base(
+    base: WheelBase,
+    drive: BaseDrive,
+    path: ReferencePath,
+    *,
+    floor: Floor = Floor(),
+    faults: Sequence[BaseFault] = (),
+    settings: BaseSettings = BaseSettings(),
+    rng: np.random.Generator,
+    substeps: int = 2,
+) -> BaseLog:
+    """Drive a base along a path; it starts where the path does.
+
+    Controller at 1 kHz: encoders, gyro, accelerometers and shunts; slip detection; watch over the motors; velocity
+    and pose by dead reckoning without the slipping wheel; path keeping; forces by the wheels that work; traction
+    control; speed loops. It is told of no fault and no patch. Where the motors that are left cannot give the path's
+    accelerations it is driven slower (same curve), for at most five times as long; a jammed wheel stops the base. The
+    log's `ended` and `driven` say how it went. Plant at 1 kHz times `substeps`.
+
+    Parameters
+    ----------
+    base, drive, floor
+        What moves, what drives it, what it stands on.
+    path
+        Reference at 1 kHz.
+    faults
+        What breaks, and when.
+    settings
+        Controllers and sensors.
+    rng
+        Source of all noise: the same one gives the same bits.
+    substeps
+        Steps of the plant per millisecond.
+
+    Raises
+    ------
+    ModelError
+        A base that cannot be simulated (`BasePlant`), or that cannot move in all three directions.
+    UnknownName
+        A fault of a wheel that there is not.
+    """
+    plant = BasePlant(base, drive, floor, sensors=settings.sensors, faults=faults, rng=rng, substeps=substeps)
+    creep = Creep(floor.material.creep, floor.material.peak or 1.0)
+    controller = BaseController(base, drive, settings, creep=creep)
+    if not controller.params.sideways:
+        raise ModelError(f"base {base.name!r} cannot move in all directions; this path keeping needs one that can")
+    reference = np.ascontiguousarray(np.hstack([path.pose, path.twist, path.acceleration]), float)
+    loop = BaseLoop(controller, plant)
+    loop.place(reference[0, :3], reference[0, 3:6])
+    controller.follow_path(reference)
+    log = _whole(loop, len(reference))
+    time, ended = TICK * np.arange(len(log.body), dtype=np.float64), ENDINGS[controller.ending]
+    driven = _driven(path, float(controller.state["phase"][0]))
+    events = [Event(f.time, "warning", "plant", _fault_text(f, plant)) for f in faults]
+    events += _ending_events(ended, driven, float(time[-1]))
+    residual = controller.params.residual * controller.radii
+    return log_of(time, log, base.driven, events, residual, ended=ended, driven=driven)
+
+
+def _whole(loop: BaseLoop, length: int) -> LogBuffer:
+    """Log to the end of a path of some samples, in buffers as long as it is, or until it takes too long."""
+    left = math.ceil(length / SLOWEST)
+    logs: list[LogBuffer] = []
+    while left > 0 and (not logs or loop.controller.ending == RUNNING):
+        log = loop.buffer(min(length, left))
+        done = loop.advance_logged(log)
+        logs.append(log.first(done))
+        left -= done
+    return logs[0] if len(logs) == 1 else joined(logs)
+
+
+def _driven(path: ReferencePath, phase: float) -> float:
+    """Part of a path's length (of its turn, on the spot; else of its time) before a phase in samples."""
+    if phase >= len(path.pose) - 1:
+        return 1.0
+    steps = np.abs(np.diff(path.pose, axis=0))
+    for length in (np.hypot(steps[:, 0], steps[:, 1]), steps[:, 2], np.ones(len(steps))):
+        if (total := float(length.sum())) > 0.0:
+            gone = np.concatenate([[0.0], np.cumsum(length)])
+            return float(np.interp(phase, np.arange(len(gone)), gone)) / total
+    return 1.0
+
+
+def _ending_events(ended: str, driven: float, time: float) -> list[Event]:
+    """What cut a run short; nothing where it went to the end of the path."""
+    texts = {
+        "jammed": f"stopped with a jammed wheel after {100.0 * driven:.0f} % of the path",
+        "cut off": f"cut off after {100.0 * driven:.0f} % of the path: driven too slowly, it takes more than "
+        f"{1.0 / SLOWEST:g} times its time",
+    }
+    return [Event(time, "error", "simulation", texts[ended])] if ended in texts else []
+
+
+def _fault_text(fault: BaseFault, plant: BasePlant) -> str:
+    name = plant.base.driven[plant.wheel_index(fault.wheel)]
+    return f"the motor of {name} {'dies' if fault.kind == 'dead' else 'jams'}"

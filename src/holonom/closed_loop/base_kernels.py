@@ -1,0 +1,101 @@
+"""The closed loop of a base, compiled: the controller's step and the plant's in turn, each millisecond; nothing else.
+
+`run_logged` fills a buffer with what is true and what the controller says and returns, so that a run of any length
+needs the memory of one buffer; `run_ticks` only drives on, between two looks of a program or a joystick. Both are the
+same steps: they give the same bits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from holonom.devices.drive_signals import WheelSignals
+from holonom.machine.base.kernels import RUNNING, control_step, path_ending, say
+from holonom.machine.base.params import BaseParams, BaseTask, Work
+from holonom.sim.base.kernels import BasePlantParams, advance
+from holonom.sim.base.log_kernels import log_body, log_wheels
+from holonom.trace.borrow import borrowed
+
+__all__ = ["LogBuffer", "joined", "run_logged", "run_ticks"]
+
+Floats = NDArray[np.float64]
+Records = NDArray[np.void]
+
+
+class LogBuffer(NamedTuple):
+    """N milliseconds of a base with n fours of wheels."""
+
+    body: Records  # (N,) BODY_SAMPLE
+    wheels: Records  # (N, n) WHEEL_SAMPLE
+    said: Records  # (N,) CONTROL_SAMPLE
+    seen: Floats  # (N, 4, 4 n) SEEN_WHEEL_SAMPLE
+
+    def first(self, count: int) -> LogBuffer:
+        """Return its first milliseconds."""
+        return LogBuffer(self.body[:count], self.wheels[:count], self.said[:count], self.seen[:count])
+
+
+def joined(logs: Sequence[LogBuffer]) -> LogBuffer:
+    """Return logs one after the other."""
+    return LogBuffer(
+        np.concatenate([log.body for log in logs]),
+        np.concatenate([log.wheels for log in logs]),
+        np.concatenate([log.said for log in logs]),
+        np.concatenate([log.seen for log in logs]),
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def run_logged(
+    params: BaseParams,
+    task: BaseTask,
+    signals: WheelSignals,
+    control: Records,
+    known: Records,
+    seen: Records,
+    work: Work,
+    plant: BasePlantParams,
+    body: Records,
+    wheels: Records,
+    noise: Floats,
+    log: LogBuffer,
+) -> int:
+    """Drive on until the log is full or the path ends, which `control` then says; return the milliseconds it took."""
+    params, task, signals, work, plant = borrowed((params, task, signals, work, plant))
+    for k in range(len(log.body)):
+        control[0].ended = path_ending(control[0], task.path)
+        if control[0].ended != RUNNING:
+            return k
+        control_step(params, task, signals, control, known, seen, work)
+        log_body(body[0], log.body[k])
+        log_wheels(wheels, log.wheels[k])
+        say(control[0], known, seen, log.said[k], log.seen[k])
+        advance(plant, body, wheels, signals, noise[k])
+    control[0].ended = path_ending(control[0], task.path)
+    return len(log.body)
+
+
+@njit(cache=True, error_model="numpy")
+def run_ticks(
+    params: BaseParams,
+    task: BaseTask,
+    signals: WheelSignals,
+    control: Records,
+    known: Records,
+    seen: Records,
+    work: Work,
+    plant: BasePlantParams,
+    body: Records,
+    wheels: Records,
+    noise: Floats,
+) -> None:
+    """Drive on for as many milliseconds as `noise` has rows; a base at the end of its path holds."""
+    params, task, signals, work, plant = borrowed((params, task, signals, work, plant))
+    for k in range(len(noise)):
+        control_step(params, task, signals, control, known, seen, work)
+        advance(plant, body, wheels, signals, noise[k])

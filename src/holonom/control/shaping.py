@@ -1,0 +1,51 @@
+"""Settings of a twist that is asked for: how fast it may change, how long it holds."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+
+from holonom.control.base_kernels import AxisShape, ShapingParams
+from holonom.errors import OutOfLimits
+
+__all__ = ["ShapingSettings"]
+
+
+@dataclass(frozen=True, slots=True)
+class ShapingSettings:
+    """Limits of a base that follows velocities, per axis; law in `control.base_kernels.shaping_step`.
+
+    Attributes
+    ----------
+    speed, acceleration, jerk
+        Along x and along y of base_link: m/s, m/s^2, m/s^3.
+    turn_rate, turn_acceleration, turn_jerk
+        The same of turning: rad/s, rad/s^2, rad/s^3.
+    timeout
+        s after which a twist that is not asked for again is no longer followed: the base stops within its limits.
+
+    Raises
+    ------
+    OutOfLimits
+        A number that is not positive, or not finite (the time-out may be infinite).
+    """
+
+    speed: float = 2.0
+    acceleration: float = 2.0
+    jerk: float = 20.0
+    turn_rate: float = 6.0
+    turn_acceleration: float = 20.0
+    turn_jerk: float = 200.0
+    timeout: float = 0.2
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not (value > 0.0 and (math.isfinite(value) or field.name == "timeout")):
+                raise OutOfLimits(f"ShapingSettings: {field.name} is {value!r}; it must be finite and greater than 0")
+
+    def params(self, dt: float) -> ShapingParams:
+        """Params of the step at a sample time, s."""
+        linear = AxisShape(self.speed, self.acceleration, self.jerk)
+        turning = AxisShape(self.turn_rate, self.turn_acceleration, self.turn_jerk)
+        return ShapingParams(dt, self.timeout, linear, linear, turning)

@@ -1,0 +1,197 @@
+"""`ArmMachine`: what a program moves, behind `lang.Machine`: motions and servos, a hand, signals, a camera."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.errors import DriveFault, LevelFault, MotionError
+from holonom.machine.arm.clock import PROGRAM_TICK
+from holonom.machine.arm.motions import LineSettings, MotionRequest
+from holonom.machine.arm.queue import MotionQueue
+from holonom.machine.drives import ArmDrives, Hand
+from holonom.machine.levels import Levels
+from holonom.mechanics import Arm
+from holonom.signals import Event, Signal, Sink
+
+__all__ = ["ArmMachine"]
+
+Array = NDArray[np.float64]
+
+SETTLED = {"fine": 2e-4, "coarse": 2e-3}
+"""Following error (rad or m) below which a motion counts as ended."""
+SETTLED_SPEED = 0.02
+"""Joint speed (rad/s or m/s), over a program tick, below which the arm counts as standing."""
+
+
+class ArmMachine:
+    """The controller of an arm, one program tick at a time.
+
+    Parameters
+    ----------
+    arm
+        Its model, on its base, with its tool.
+    drives
+        What follows the references.
+    hand
+        What it grasps with; None: it has none.
+    sink
+        Where events and signals go.
+    look
+        Takes a picture: the parts the camera sees now.
+    start, ready
+        Joints (n,) where it stands at first, and those of the READY position.
+    line
+        What 100 % means on straight lines.
+    levels
+        Periods of supervisor, model and servos.
+    observe
+        Called after each tick with the reference (3, n) of that instant: the recorder's moment.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        drives: ArmDrives,
+        hand: Hand | None,
+        sink: Sink,
+        *,
+        look: Callable[[], Sequence[Any]],
+        start: Array,
+        ready: Array,
+        line: LineSettings,
+        levels: Levels = Levels(),
+        observe: Callable[[Array], None] = lambda reference: None,
+    ) -> None:
+        self.arm, self.drives, self.hand = arm, drives, hand
+        self.queue = MotionQueue(arm, start, line, levels)
+        self._sink, self._look, self._ready, self._observe = sink, look, ready, observe
+        self._before = drives.position
+        self._samples = round(PROGRAM_TICK / levels.servo)
+        self._parts: list[Any] = []
+        self._signals: dict[int, bool] = {}
+
+    # --- what lang.Machine asks for -----------------------------------------------------------------------------
+
+    def move(self, motion: MotionRequest) -> bool:
+        """Take a motion, blended into the present one if both allow it; False while one is already waiting."""
+        return self.queue.move(motion, idle=self.idle())
+
+    def idle(self) -> bool:
+        """Whether all motions have ended and the arm has settled."""
+        if not self.queue.empty:
+            return False
+        here = self.drives.position
+        moved = np.abs(here - self._before).max()
+        error = np.abs(self.queue.goal - here).max()
+        return bool(error < SETTLED[self.queue.tolerance] and moved < SETTLED_SPEED * PROGRAM_TICK)
+
+    def set_hand(self, closed: bool) -> None:
+        """Close or open the hand."""
+        if self.hand is None:
+            raise MotionError("this arm has no hand to close or open; give its cell a [gripper]")
+        self.hand.send(0.0 if closed else self.hand.max_opening)
+
+    def hand_idle(self) -> bool:
+        """Whether the fingers have arrived, at their opening or on a part."""
+        return self.hand is None or self.hand.idle
+
+    def set_signal(self, number: int, on: bool) -> None:
+        """Switch a digital output."""
+        if self._signals.get(number, False) != on:
+            self._signals[number] = on
+            self._sink.put(Signal(self.time(), number, on))
+
+    def signal(self, number: int) -> bool:
+        """Read back a digital output; inputs of the simulated cell are its outputs."""
+        return self._signals.get(number, False)
+
+    def picture(self) -> int:
+        """Take a picture: the parts the camera sees now."""
+        self._parts = list(self._look())
+        self.log("info", "camera", f"{len(self._parts)} parts seen")
+        return len(self._parts)
+
+    def locate(self, kind: str) -> Any:
+        """Return the next part of this kind ("" for any), None when there is none left."""
+        for k, part in enumerate(self._parts):
+            if kind in ("", part.kind):
+                return self._parts.pop(k)
+        return None
+
+    def destination(self) -> Array:
+        """T_wt where the last commanded motion ends."""
+        return self.arm.fk(self.queue.goal)
+
+    def joints(self) -> Array:
+        """Measured joint positions (n,)."""
+        return self.drives.position
+
+    def pose(self) -> Array:
+        """Measured T_wt (4, 4)."""
+        return self.arm.fk(self.drives.position)
+
+    def ready_joints(self) -> Array:
+        """The READY position (n,)."""
+        return self._ready
+
+    def time(self) -> float:
+        """Time of the drives' clock, s."""
+        return self.drives.time
+
+    def say(self, text: str, line: int) -> None:
+        """Log what TYPE says."""
+        self.log("info", "program", text, line)
+
+    # --- the clock's side ---------------------------------------------------------------------------------------
+
+    def log(self, level: str, source: str, text: str, line: int = 0) -> None:
+        """Put an event into the recording."""
+        self._sink.put(Event(self.time(), level, source, text, line))
+
+    @property
+    def active_line(self) -> int:
+        """Source line of the motion under way, 0 when standing."""
+        return self.queue.active_line
+
+    def advance(self) -> None:
+        """Advance everything by one program tick.
+
+        Raises
+        ------
+        DriveFault, LevelFault, MotionError
+            An axis left its limits, the supervisor failed, or a finger hit a part.
+        """
+        self._follow()
+        try:
+            for what in self.hand.step(PROGRAM_TICK) if self.hand is not None else ():
+                self.log("info", "hand", what, self.active_line)
+        finally:
+            self._observe(self.queue.present())
+
+    def halt(self) -> None:
+        """End the motion in a controlled way: brake along the path, or hold zero speed after a drive fault."""
+        self.queue.brake()
+        try:
+            while not self.queue.empty:
+                self._follow()
+                self._observe(self.queue.present())
+        except (DriveFault, LevelFault):
+            self.brake()
+
+    def brake(self, duration: float = 0.3) -> None:
+        """Hold zero speed whatever the reference was."""
+        still = np.zeros(self.arm.n)
+        for _ in range(round(duration / PROGRAM_TICK)):
+            self._before = self.drives.position
+            self.drives.brake(self._samples)
+            self._observe(np.stack([self.drives.position, still, still]))
+        self.queue.place(self.drives.position)
+
+    def _follow(self) -> None:
+        """The reference of one program tick goes to the drives."""
+        self._before = self.drives.position
+        self.drives.advance(self.queue.take(self._samples))

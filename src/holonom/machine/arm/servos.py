@@ -1,0 +1,234 @@
+"""`ArmServos`: the servo loops of an arm, from encoders and shunts to motor voltages; the plant they never see."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from holonom.control import (
+    CONTROLLERS,
+    AxisLimits,
+    CascadeSettings,
+    ComputedTorqueSettings,
+    SampleTimes,
+    ServoAxis,
+    Violation,
+    acceleration_params,
+    design_cascade,
+    drive_fault,
+)
+from holonom.devices import DcMotor, Encoder, Friction, tracking_params
+from holonom.devices.drive_signals import JointSignals
+from holonom.errors import DriveFault, ModelError
+from holonom.machine.arm.kernels import CASCADE, COMPUTED_TORQUE
+from holonom.machine.arm.records import SERVO, SERVO_STATE, Servo, ServoTiming
+from holonom.machine.levels import Levels
+from holonom.mechanics import Arm
+from holonom.model import ArmModel, Joint
+from holonom.trace.records import record_table
+
+__all__ = ["STEP", "ArmServos", "ControlSettings", "check_drives", "joint_friction", "joint_motor"]
+
+Array = NDArray[np.float64]
+
+LAWS = {CascadeSettings: CASCADE, ComputedTorqueSettings: COMPUTED_TORQUE}
+"""Compiled laws, by the settings of the controllers that they are of."""
+STEP = 1e-4
+"""Step of the current loop, s."""
+SPEED_TICK = 5
+"""Sample time of the speed loops, in steps of the current loop."""
+
+
+@dataclass(frozen=True, slots=True)
+class ControlSettings:
+    """Which controller drives the arm and where it trips.
+
+    `law_bandwidth` (rad/s) places the poles of the computed-torque error equation; `following_error` (rad) and
+    `trip_margin` (part of the rated speed and current by which they may be passed) stop an axis; `levels` are the
+    periods and delays of the loops.
+    """
+
+    controller: str = "cascade"
+    law_bandwidth: float = ComputedTorqueSettings().law_bandwidth
+    following_error: float = 0.1
+    trip_margin: float = 0.25
+    levels: Levels = field(default_factory=Levels)
+
+    def __post_init__(self) -> None:
+        if CONTROLLERS[self.controller].record not in LAWS:
+            raise ModelError(f"controller {self.controller!r} cannot run: no compiled law is of its settings")
+
+
+class ArmServos:
+    """Servo loops of n axes. Mutable state: the records `states`, the count of steps `clock`.
+
+    Parameters
+    ----------
+    arm
+        Its model has a motor with drive and encoder data for each joint.
+    q
+        Joints (n,), rad, at whose inertia the loops are tuned and where they start.
+    settings
+        Controller and levels.
+
+    Raises
+    ------
+    ModelError
+        A joint without complete motor data.
+    """
+
+    def __init__(self, arm: Arm, q: ArrayLike, settings: ControlSettings = ControlSettings()) -> None:
+        self.arm, self.settings = arm, settings
+        self.mode = LAWS[CONTROLLERS[settings.controller].record]
+        self.timing = _timing(settings.levels)
+        self.model = arm.kernel("inverse_dynamics")
+        self.limits = [_axis_limits(joint, settings) for joint in arm.model.joints]
+        inertia = np.diagonal(arm.mass_matrix(np.asarray(q, dtype=float)))
+        rows = [
+            _servo(joint, float(b), settings, limits)
+            for joint, b, limits in zip(arm.model.joints, inertia, self.limits, strict=True)
+        ]
+        self.axes = record_table(rows, SERVO)
+        self.states = np.zeros(arm.n, dtype=SERVO_STATE)
+        self.clock = np.zeros(1, dtype=np.int64)
+        self.scratch = np.zeros(4 * arm.n)
+        self._ratio = self.axes["ratio"]
+
+    def start(self, q: ArrayLike, hold: ArrayLike, signals: JointSignals) -> None:
+        """Take over an arm that stands at q (n,), rad, under its own weight, with currents `hold` (n,), A; homed.
+
+        Encoders know where they are; their counters are in `signals`.
+        """
+        states, currents = self.states, np.asarray(hold, float)
+        counts = np.floor(np.asarray(q, float) * self._ratio * self.axes["encoder"]["counts_per_rad"]).astype(np.int64)
+        assert ((counts - signals.counters) % 0x10000 == 0).all(), "the counters are those of q"
+        states["count"] = counts
+        states["angle"] = (counts + 0.5) * self.axes["encoder"]["resolution"]
+        for name in ("current_reference", "coming_reference", "speed_integral"):
+            states[name] = currents
+        states["current_integral"] = currents / self.axes["speed"]["conductance"]
+        states["load"] = -self.axes["torque_constant"] * currents / self.axes["inertia"]
+
+    @property
+    def position(self) -> Array:
+        """Measured joint positions (n,), rad."""
+        found: Array = self.states["angle"] / self._ratio
+        return found
+
+    @property
+    def speed(self) -> Array:
+        """Measured joint speeds (n,), rad/s."""
+        found: Array = self.states["rate"] / self._ratio
+        return found
+
+    def fault(self, code: int, axis: int, time: float, reference: float, current: float) -> DriveFault:
+        """Return the error for a limit that an axis left at a time (s)."""
+        return drive_fault(
+            Violation(code),
+            self.limits[axis],
+            axis=self.arm.model.joints[axis].name,
+            time=time,
+            reference=reference,
+            position=float(self.position[axis]),
+            speed=float(self.speed[axis]),
+            current=current,
+        )
+
+
+def _timing(levels: Levels) -> ServoTiming:
+    position, model = round(levels.servo / STEP), round(levels.model / STEP)
+    return ServoTiming(SPEED_TICK, position, model, round(levels.delay / STEP))
+
+
+def check_drives(model: ArmModel) -> None:
+    """Raise `ModelError` where a joint lacks what its drive's simulation needs."""
+    for joint in model.joints:
+        joint_motor(joint)
+
+
+def joint_motor(joint: Joint) -> DcMotor:
+    """Return the motor of a joint.
+
+    Raises
+    ------
+    ModelError
+        It has none, or no encoder.
+    """
+    motor = joint.motor
+    if motor is None or motor.encoder_counts == 0:
+        raise ModelError(
+            f"joint {joint.name!r} has no motor with drive and encoder data, so its drives cannot be simulated; "
+            "give the model a complete Motor per joint, or size them from its limits"
+        )
+    return DcMotor(
+        motor.resistance,
+        motor.inductance,
+        motor.torque_constant,
+        motor.torque_constant,
+        motor.rotor_inertia,
+        motor.max_voltage,
+        motor.max_current,
+    )
+
+
+def joint_friction(joint: Joint, ratio: float) -> Friction:
+    """The joint's friction at its motor; a negative ratio swaps the directions."""
+    f = joint.friction
+    if f is None:
+        return Friction()
+    positive, negative = f.coulomb_positive / abs(ratio), f.coulomb_negative / abs(ratio)
+    if math.copysign(1.0, ratio) < 0.0:
+        positive, negative = negative, positive
+    return Friction(f.viscous / ratio**2, positive, negative)
+
+
+def _axis_limits(joint: Joint, settings: ControlSettings) -> AxisLimits:
+    motor = joint_motor(joint)
+    margin = 1.0 + settings.trip_margin
+    return AxisLimits(
+        joint.limits.lower - settings.following_error,
+        joint.limits.upper + settings.following_error,
+        joint.limits.speed * margin,
+        motor.max_current * margin,
+        settings.following_error,
+    )
+
+
+def _servo(joint: Joint, inertia: float, settings: ControlSettings, limits: AxisLimits) -> Servo:
+    """Data sheets and gains of a joint whose inertia (rotor included) is known at its working point, kg m2."""
+    data, motor = joint.motor, joint_motor(joint)
+    assert data is not None
+    ratio = data.gear_ratio
+    seen = inertia / ratio**2
+    encoder = Encoder(data.encoder_counts)
+    times = SampleTimes(STEP, STEP * SPEED_TICK, settings.levels.servo)
+    gains = design_cascade(
+        ServoAxis(
+            resistance=motor.resistance,
+            inductance=motor.inductance,
+            torque_constant=motor.torque_constant,
+            back_emf_constant=motor.back_emf_constant,
+            inertia=seen,
+            viscous=joint_friction(joint, ratio).viscous,
+            max_voltage=motor.max_voltage,
+            max_current=motor.max_current,
+            max_speed=joint.limits.speed * abs(ratio),
+            counts_per_rev=encoder.counts_per_rev,
+        ),
+        times=times,
+    )
+    return Servo(
+        encoder.params(),
+        tracking_params(gains.observer_bandwidth, times.speed),
+        gains.current,
+        gains.speed,
+        gains.position,
+        acceleration_params(settings.law_bandwidth, settings.levels.model),
+        limits.params(),
+        ratio,
+        motor.torque_constant,
+        seen,
+    )

@@ -1,0 +1,280 @@
+"""`BaseController`: keeps a path, follows velocities or holds; the plant, real or simulated, it never sees."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from holonom.control import ServoAxis
+from holonom.control.base_tuning import WheelLoop, tune_wheel
+from holonom.control.traction import TractionSettings, WatchSettings
+from holonom.devices import tracking_params
+from holonom.devices.drive_signals import WheelSignals
+from holonom.errors import ShapeError
+from holonom.machine.base.kernels import HOLD, PATH, RUNNING, VELOCITY, control_step
+from holonom.machine.base.params import BaseParams, BaseTask, Work
+from holonom.machine.base.records import CONTROL_STATE, KNOWN_WHEEL, SEEN_WHEEL
+from holonom.machine.base.settings import BaseSettings, Creep, slip_settings
+from holonom.machine.base.wheel_kernels import share_force
+from holonom.mobile.base import WheelBase
+from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive, base_mass, load_shares
+from holonom.mobile.drive.coupling import Coupling
+from holonom.mobile.drive.slip import SlipSettings, slip_params
+from holonom.mobile.drive.slip_kernels import BOUND, SlipParams
+from holonom.trace.records import aligned_records, side_by_side
+from holonom.trace.simd import WIDTH
+
+__all__ = ["TICK", "BaseController"]
+
+Array = NDArray[np.float64]
+
+TICK = 1e-3
+"""Sample time of all loops of a base, s."""
+RESERVE = 0.85  # part of the largest force that a slowed-down path may need; the rest is for errors
+RATE_CHANGE = 1.0  # 1/s, how fast a path is slowed down
+COULOMB_SMOOTHING = 2.0  # rad/s of the motor, below which friction that is fed forward goes over into its opposite
+NO_PATH = np.zeros((0, 9))
+
+
+class BaseController:
+    """The controller of a base. Mutable state: the records `state` and `states`, the arrays `work`, `task`.
+
+    Parameters
+    ----------
+    base
+        Wheels, mass and its distribution.
+    drive
+        Data sheets of motors, gears and encoders.
+    settings
+        Its parts and their numbers.
+    creep
+        What is known of gripping wheels where the settings do not say.
+
+    Raises
+    ------
+    ModelError
+        A base without mass, or one that no forces of its wheels can drive.
+    """
+
+    def __init__(
+        self,
+        base: WheelBase,
+        drive: BaseDrive,
+        settings: BaseSettings = BaseSettings(),
+        *,
+        creep: Creep = Creep(0.0, 1.0),
+    ) -> None:
+        self.base, self.drive, self.settings = base, drive, settings
+        driven = [wheel for wheel in base.wheels if wheel.driven]
+        self.radii = np.array([wheel.radius for wheel in driven])
+        rows = np.ascontiguousarray(base.velocity_coupling * [1.0, 1.0, base.radius])
+        mass = base_mass(base)
+        inertia = base.alpha * mass * base.radius**2
+        self.loop = _wheel_loop(base, drive, rows, mass, inertia)
+        """Tuned speed loop of the wheels, with its margins."""
+        self.params = _params(base, drive, settings, settings.creep or creep, rows, self.radii)
+        known = [_known_wheel(r, row, drive, self.loop) for r, row in zip(self.radii, rows, strict=True)]
+        self.wheels = side_by_side(np.array(known, KNOWN_WHEEL))
+        self.state = aligned_records(np.zeros(1, CONTROL_STATE), CONTROL_STATE)
+        seen = np.zeros(len(driven), SEEN_WHEEL)
+        seen["works"] = seen["cut"] = 1.0
+        self.states = side_by_side(seen, works=0.0)
+        lanes, trusted = WIDTH * len(self.states), len(self.params.estimate_rows)
+        self.work = Work(
+            np.ones(trusted), np.ones(len(driven)), np.zeros((len(driven), 3)), np.zeros(max(lanes, trusted)),
+            np.zeros(lanes), np.zeros(lanes), np.full(3, np.nan), np.zeros(9),
+        )  # fmt: skip
+        self.task = BaseTask(NO_PATH)
+        share_force(rows, self.work.weights, self.work.share, self.states)
+        slip = self.state["slip"][0]
+        for name in ("slack", "angular_slack", "held_slack", "held_angular_slack"):
+            slip[name] = math.inf
+        self.state["rate"] = self.state["goal"] = 1.0
+        self.hold()
+
+    def place(self, pose: ArrayLike, twist: ArrayLike = (0.0, 0.0, 0.0), *, signals: WheelSignals) -> None:
+        """Tell it where it is, pose (3,) in odom, and how it moves, twist (3,) in base_link; it homes its counters."""
+        state, states, ratio = self.state[0], self.states, self.wheels["gear"]["ratio"]
+        for names, values in ((("x", "y", "theta"), pose), (("vx", "vy", "w"), twist)):
+            for name, value in zip(names, np.asarray(values, float), strict=True):
+                state[f"seen_{name}"] = value
+        for name in ("vx", "vy", "w"):
+            state[f"command_{name}"] = state[f"shaped_{name}"] = state[f"seen_{name}"]
+        states["count"].flat[:] = (signals.counters + 0x8000) % 0x10000 - 0x8000
+        states["seen_angle"] = states["counted"] = (states["count"] + 0.5) * self.wheels["encoder"]["resolution"]
+        speeds = self.params.rows @ np.asarray(twist, float) / self.radii
+        states["seen_speed"].flat[: len(speeds)] = ratio.flat[: len(speeds)] * speeds
+        self.hold()
+
+    @property
+    def pose(self) -> Array:
+        """Where it believes to be (3,): x, y, theta of base_link in odom."""
+        return np.array([self.state[name][0] for name in ("seen_x", "seen_y", "seen_theta")])
+
+    @property
+    def twist(self) -> Array:
+        """How it believes to move (3,), in base_link."""
+        return np.array([self.state[name][0] for name in ("seen_vx", "seen_vy", "seen_w")])
+
+    @property
+    def ending(self) -> int:
+        """How far its path is: `RUNNING`, `DONE`, `STOPPED`."""
+        return int(self.state["ended"][0])
+
+    def follow_path(self, path: ArrayLike) -> None:
+        """Keep a path (N, 9) from its first sample on: pose, twist and acceleration at 1 kHz.
+
+        Raises
+        ------
+        ShapeError
+            A path of another shape, empty or not finite.
+        """
+        rows = np.ascontiguousarray(path, float)
+        if rows.ndim != 2 or rows.shape[1] != 9 or len(rows) == 0 or not np.isfinite(rows).all():
+            raise ShapeError(f"a path has shape {rows.shape}; it must be (N, 9) with N of at least 1, finite")
+        self.task = BaseTask(rows)
+        self._do(PATH)
+        self.state["phase"] = 0.0
+
+    def follow_velocity(self, twist: Sequence[float] | Array) -> None:
+        """Follow a twist (3,) in base_link, m/s and rad/s, until the next one or until it is too old.
+
+        It is taken to the nearest one that the wheels can drive, within the limits of `ShapingSettings`.
+
+        Raises
+        ------
+        ShapeError
+            Not three finite numbers; what was asked for before goes on.
+        """
+        state = self.state
+        vx, vy, w = _three(twist)
+        finite = math.isfinite(vx + vy + w)
+        if not finite:
+            raise ShapeError(f"a twist is {twist!r}; it must be three finite numbers: vx, vy in m/s, w in rad/s")
+        if state["mode"][0] != VELOCITY:
+            self._do(VELOCITY)
+        state["wanted_vx"], state["wanted_vy"], state["wanted_w"], state["age"] = vx, vy, w, 0
+
+    def hold(self) -> None:
+        """Stop, and hold the pose where it is now."""
+        self._do(HOLD)
+        for name in ("x", "y", "theta"):
+            self.state[f"hold_{name}"] = self.state[f"seen_{name}"]
+
+    def _do(self, mode: int) -> None:
+        state = self.state
+        state["mode"], state["ended"] = mode, RUNNING
+        for name in ("integral_x", "integral_y", "integral_theta"):
+            state[name] = 0.0
+        for speed, change in (("vx", "ax"), ("vy", "ay"), ("w", "aw")):
+            state[f"shaped_{speed}"], state[f"shaped_{change}"] = state[f"command_{speed}"], 0.0
+
+    def step(self, signals: WheelSignals) -> None:
+        """One millisecond: from what `signals` holds of the sensors to the voltages in it."""
+        control_step(self.params, self.task, signals, self.state, self.wheels, self.states, self.work)
+
+
+def _three(twist: Sequence[float] | Array) -> tuple[float, float, float]:
+    """Return three numbers, NaN where they are none."""
+    try:
+        vx, vy, w = twist
+        return float(vx), float(vy), float(w)
+    except (TypeError, ValueError):
+        return math.nan, math.nan, math.nan
+
+
+def _params(
+    base: WheelBase, drive: BaseDrive, settings: BaseSettings, creep: Creep, rows: Array, radii: Array
+) -> BaseParams:
+    mass, loads = base_mass(base), base_mass(base) * GRAVITY * load_shares(base)[: len(rows), 0]
+    coupling = Coupling(base.velocity_coupling, base.radius, base.alpha)
+    inverse = np.linalg.pinv(coupling.velocity)
+    sideways = bool(np.linalg.matrix_rank(rows) == 3)
+    slip = settings.slip if sideways else None  # without redundancy nothing contradicts a wheel
+    if isinstance(slip, str):
+        slip = slip_settings(settings.sensors, drive, float(radii.max()))
+    slipping = slip_params(coupling, slip) if slip is not None else _no_slip_params(len(rows))
+    motor, gear = drive.motor, drive.gear
+    push = motor.torque_constant * gear.ratio * gear.efficiency / radii
+    sliding = base.sliding_matrix()
+    drivable = base.feasible(np.eye(3)).T
+    return BaseParams(
+        keeping=settings.keeping.params(TICK),
+        shaping=settings.shaping.params(TICK),
+        estimate=settings.estimate.params(TICK),
+        traction=(settings.traction or TractionSettings()).params(TICK),
+        watch=(settings.watch or WatchSettings()).params(TICK),
+        slip=slipping,
+        rows=rows,
+        estimate_rows=np.ascontiguousarray(np.vstack([rows, sliding])),
+        drivable=np.ascontiguousarray(drivable),
+        residual=np.eye(len(rows)) - coupling.velocity @ inverse,
+        inverse=np.ascontiguousarray(inverse),
+        quiet=_quiet(slip, slipping),
+        push=np.append(push / (loads * creep.grip), np.zeros(-len(rows) % WIDTH)),
+        creep=creep.slope * creep.grip,
+        mass=mass,
+        inertia=base.alpha * mass * base.radius**2,
+        max_force=_max_force(drive, radii, loads, settings.friction),
+        max_rim=motor.no_load_speed / abs(gear.ratio) * float(radii.min()),
+        reserve=RESERVE,
+        rate_change=RATE_CHANGE,
+        sideways=sideways,
+        detect=slip is not None,
+        control_traction=settings.traction is not None,
+        compensate=settings.watch is not None,
+    )
+
+
+def _no_slip_params(count: int) -> SlipParams:
+    """Params of a detector that is not asked."""
+    return SlipParams(
+        1.0, 1.0, np.zeros((count, 4)), np.zeros((1, 5 + 3 * count)), 0.0, 0.0, 0.0, 0.0, 0, 0, 0.0, -1, 1, 1, 1
+    )
+
+
+def _quiet(slip: SlipSettings | None, params: SlipParams) -> float:
+    """Bound of the detector on the square sum of the residual, (m/s)^2, where it is one number for all wheels."""
+    if slip is None or params.redundancy <= 0 or not isinstance(slip.noise, float):
+        return -1.0
+    return float(params.hypotheses[0, BOUND]) * slip.noise**2
+
+
+def _max_force(drive: BaseDrive, radii: Array, loads: Array, friction: float) -> float:
+    """Force (N) along its rim that a wheel can be asked for: its motor's, or what an assumed friction carries."""
+    motor, gear = drive.motor, drive.gear
+    torque = motor.torque_constant * min(motor.max_current, motor.max_voltage / motor.resistance)
+    return min(abs(gear.ratio) * gear.efficiency * torque / float(radii.max()), friction * float(loads.min()))
+
+
+def _wheel_loop(base: WheelBase, drive: BaseDrive, rows: Array, mass: float, inertia: float) -> WheelLoop:
+    """Tune for the largest share of the base that the wheels carry in any of its motions."""
+    mobile = np.linalg.svd(rows / np.sqrt([mass, mass, inertia]), compute_uv=False)
+    share = 1.0 / float(mobile[mobile > 1e-6 * mobile[0]].min()) ** 2 * float(max(w.radius for w in base.wheels)) ** 2
+    at_motor = 1.0 / drive.gear.ratio**2
+    motor = drive.motor
+    axis = ServoAxis(
+        resistance=motor.resistance,
+        inductance=motor.inductance,
+        torque_constant=motor.torque_constant,
+        back_emf_constant=motor.back_emf_constant,
+        inertia=at_motor * (drive.inertia + share),
+        max_voltage=motor.max_voltage,
+        max_current=motor.max_current,
+        max_speed=motor.no_load_speed,
+        counts_per_rev=drive.encoder.counts_per_rev,
+        viscous=drive.friction.viscous,
+    )
+    return tune_wheel(axis, at_motor * drive.inertia, dt=TICK)
+
+
+def _known_wheel(radius: float, row: Sequence[float], drive: BaseDrive, loop: WheelLoop) -> tuple[object, ...]:
+    """The motor as the plant's own step has it, half a millisecond: what is known of it does not depend on steps."""
+    return (
+        *row, radius, drive.inertia, drive.motor.torque_constant,
+        tuple(drive.motor.armature(TICK)), tuple(drive.friction.params(COULOMB_SMOOTHING)), tuple(drive.gear.params()),
+        tuple(drive.encoder.params()), tuple(tracking_params(loop.observer_bandwidth, TICK)), tuple(loop.speed),
+    )  # fmt: skip

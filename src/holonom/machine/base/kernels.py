@@ -1,0 +1,266 @@
+"""One millisecond of a base's controller, compiled: sensors, estimate, path or velocity, wheel loops.
+
+What it knows comes from counters, shunts, gyro and accelerometers only. Records in `records.py`, what is done wheel by
+wheel in `wheel_kernels.py`, the loops' steps in `control.base_kernels`, slip detection in `mobile.drive.slip_kernels`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from holonom.control.base_kernels import (
+    EstimateParams,
+    Planar,
+    drivable_twist,
+    estimate_step,
+    feasible_rate,
+    keeping_step,
+    line_keeping_step,
+    pose_step,
+    reference_at,
+    shaping_step,
+    wanted_acceleration,
+)
+from holonom.devices.drive_signals import WheelSignals
+from holonom.machine.base.params import BaseParams, BaseTask, Work
+from holonom.machine.base.wheel_kernels import (
+    control_traction,
+    creep,
+    drive_wheels,
+    driven_part,
+    rim_force,
+    rim_speed,
+    sense,
+    set_weights,
+    share_force,
+    watch_motors,
+)
+from holonom.mobile.drive.slip_kernels import SlipState, slip_step
+from holonom.trace.simd import WIDTH, load, packed, store
+
+__all__ = ["DONE", "HOLD", "PATH", "RUNNING", "STOPPED", "VELOCITY", "control_step", "path_ending", "say"]
+
+PATH, VELOCITY, HOLD = 0, 1, 2
+"""What a base does: it keeps a path, follows velocities, holds its pose."""
+RUNNING, DONE, STOPPED = 0, 1, 2
+"""How far its path is: under way, at its end, stopped by a jammed wheel."""
+STANDING = 500  # ms after which a base that had to stop is done
+Floats = NDArray[np.float64]
+Records = NDArray[np.void]
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def control_step(
+    params: BaseParams,
+    task: BaseTask,
+    signals: WheelSignals,
+    state: Records,
+    wheels: Records,
+    states: Records,
+    work: Work,
+) -> None:
+    """From what is measured to voltages, in `signals`; all that evolves is in `state`, `states` and `work`."""
+    base = state[0]
+    base.gyro, base.imu_x, base.imu_y = signals.inertial[0], signals.inertial[1], signals.inertial[2]
+    _sense(params, signals, wheels, states, work)
+    _detect(params, base, work)
+    _react(params, task.path, base, wheels, states, work)
+    change = max(min((base.goal - base.rate) / params.keeping.dt, params.rate_change), -params.rate_change)
+    twist = _estimate(params.estimate, params.estimate_rows, base, work)
+    _refer(params, task.path, base, change, work.now)
+    command, ahead = _keep(params, base, work.now)
+    wanted = wanted_acceleration(params.keeping, command, twist, ahead)
+    if base.rate <= 0.0:  # the base had to stop: hold the wheels
+        command = wanted = Planar(0.0, 0.0, 0.0)
+    _drive(params, signals, command, wanted, twist, wheels, states)
+    base.phase += base.rate
+    base.rate += params.keeping.dt * change
+    base.stood = base.stood + 1 if base.rate <= 0.0 else 0
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def path_ending(base: Any, path: Floats) -> int:
+    """How far a path is before the next step: `RUNNING`, `DONE`, `STOPPED`."""
+    if base.mode != PATH:
+        return RUNNING
+    return DONE if base.phase > len(path) - 1 else STOPPED if base.stood >= STANDING else RUNNING
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def say(base: Any, wheels: Records, states: Records, row: Any, rows: Floats) -> None:
+    """Write a `CONTROL_SAMPLE`, and `SEEN_WHEEL_SAMPLE` of the wheels in rows (4, 4 n)."""
+    row.seen_x, row.seen_y, row.seen_theta = base.seen_x, base.seen_y, base.seen_theta
+    row.seen_vx, row.seen_vy, row.seen_w = base.seen_vx, base.seen_vy, base.seen_w
+    row.ref_x, row.ref_y, row.ref_theta = base.ref_x, base.ref_y, base.ref_theta
+    row.ref_vx, row.ref_vy, row.ref_w, row.ref_rate = base.ref_vx, base.ref_vy, base.ref_w, base.ref_rate
+    row.gyro, row.imu_x, row.imu_y = base.gyro, base.imu_x, base.imu_y
+    row.status, row.flagged, row.dead, row.jams = base.status, base.flagged, base.dead, base.jams
+    for i in range(len(wheels)):
+        wheel, own = packed(wheels[i]), packed(states[i])
+        store(rows[0], i, own.seen_speed / wheel.gear.ratio)
+        store(rows[1], i, own.rim_reference / wheel.radius)
+        store(rows[2], i, own.measured_current)
+        for lane in range(WIDTH):
+            rows[3, i * WIDTH + lane] = states[i].count[lane]
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _sense(params: BaseParams, signals: WheelSignals, wheels: Records, states: Records, work: Work) -> None:
+    """Counters, observers and shunts; rim speeds, and what they are without the creep of a gripping wheel."""
+    for i in range(len(wheels)):
+        own = packed(states[i])
+        sense(wheels[i], states[i], signals.counters, load(signals.currents, i), i)
+        store(work.rims, i, own.rim)
+        store(work.gripping, i, own.rim - creep(params.creep, load(params.push, i) * own.measured_current))
+    for i in range(len(params.rows), len(params.estimate_rows)):
+        work.rims[i] = 0.0
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _detect(params: BaseParams, base: Any, work: Work) -> None:
+    """Ask the slip detector, but where all is calm."""
+    if params.detect and not (base.calm != 0 and _square(params.residual, work.gripping) <= params.quiet):
+        if base.calm != 0:
+            _keep_slip(base.slip, _no_slip(params.inverse, work.last))
+        work.acceleration[0], work.acceleration[1] = base.imu_x, base.imu_y
+        wheels = work.gripping[: len(params.rows)]
+        after, found = slip_step(params.slip, base.slip, wheels, base.gyro - base.gyro_bias, work.acceleration)
+        _keep_slip(base.slip, after)
+        base.status, base.flagged = found.status, found.named
+        base.calm = 1 if params.quiet >= 0.0 and after.level == 0 and after.held_slack == 0.0 else 0
+    work.last[:] = work.gripping
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _react(params: BaseParams, path: Floats, base: Any, wheels: Records, states: Records, work: Work) -> None:
+    """Leave out wheels that slip and motors that are lost; drive slower, or stop, where the others must not push so."""
+    m = len(params.rows)
+    lost = watch_motors(params.watch, wheels, states, m, base, base.jams != 0) if params.compensate else 0
+    if lost == base.dead and base.flagged == base.named:
+        return
+    new = lost != base.dead
+    base.named, base.dead = base.flagged, lost
+    base.jams = set_weights(params.control_traction, states, base.named, work.trust, work.weights)
+    share_force(params.rows, work.weights, work.share, states)
+    if new and base.jams != 0:
+        base.goal = 0.0
+    elif new and base.mode == PATH:
+        limit = params.reserve * params.max_force
+        rest = feasible_rate(work.share, path, int(base.phase), params.mass, params.inertia, limit)
+        base.goal = min(base.goal, rest)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _refer(params: BaseParams, path: Floats, base: Any, change: float, now: Floats) -> None:
+    """Reference of this sample: on the path, the twist that was asked for within limits, or the pose that is held."""
+    if base.mode == PATH:
+        reference_at(path, base.phase, base.rate, change, now)
+    elif base.mode == VELOCITY:
+        _shape(params, base, now)
+    else:
+        now[:] = 0.0
+        now[0], now[1], now[2] = base.hold_x, base.hold_y, base.hold_theta
+    base.ref_x, base.ref_y, base.ref_theta = now[0], now[1], now[2]
+    base.ref_vx, base.ref_vy, base.ref_w, base.ref_rate = now[3], now[4], now[5], base.rate
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _shape(params: BaseParams, base: Any, now: Floats) -> None:
+    """Nearest drivable twist to the one asked for, zero once that is too old, within speed, acceleration and jerk."""
+    shaping = params.shaping
+    base.age += 1
+    part = base.rate if base.age * shaping.dt <= shaping.timeout else 0.0
+    wanted = Planar(part * base.wanted_vx, part * base.wanted_vy, part * base.wanted_w)
+    goal = drivable_twist(params.drivable, params.rows, wanted, params.max_rim)
+    base.shaped_vx, base.shaped_ax = shaping_step(shaping.dt, shaping.forwards, base.shaped_vx, base.shaped_ax, goal.x)
+    base.shaped_vy, base.shaped_ay = shaping_step(shaping.dt, shaping.sideways, base.shaped_vy, base.shaped_ay, goal.y)
+    base.shaped_w, base.shaped_aw = shaping_step(shaping.dt, shaping.turning, base.shaped_w, base.shaped_aw, goal.turn)
+    now[0], now[1], now[2] = base.seen_x, base.seen_y, base.seen_theta  # no place to keep
+    now[3], now[4], now[5] = base.shaped_vx, base.shaped_vy, base.shaped_w
+    w = base.shaped_w  # the centre's acceleration in turning axes
+    now[6], now[7] = base.shaped_ax - w * base.shaped_vy, base.shaped_ay + w * base.shaped_vx
+    now[8] = base.shaped_aw
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _estimate(params: EstimateParams, rows: Floats, base: Any, work: Work) -> Planar:
+    before = Planar(base.seen_vx, base.seen_vy, base.seen_w)
+    twist, base.gyro_bias = estimate_step(
+        params, rows, work.trust, work.rims, before, base.gyro_bias, base.gyro, Planar(base.imu_x, base.imu_y, 0.0)
+    )
+    pose = pose_step(Planar(base.seen_x, base.seen_y, base.seen_theta), twist, params.dt)
+    base.seen_vx, base.seen_vy, base.seen_w = twist.x, twist.y, twist.turn
+    base.seen_x, base.seen_y, base.seen_theta = pose.x, pose.y, pose.turn
+    return twist
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _keep(params: BaseParams, base: Any, reference: Floats) -> tuple[Planar, Planar]:
+    """Twist to command and acceleration to feed forward."""
+    pose = Planar(base.seen_x, base.seen_y, base.seen_theta)
+    integral = Planar(base.integral_x, base.integral_y, base.integral_theta)
+    before = Planar(base.command_vx, base.command_vy, base.command_w)
+    if params.sideways:
+        command, ahead, grown = keeping_step(params.keeping, reference, pose, base.seen_w, integral, before)
+    else:
+        command, ahead, grown = line_keeping_step(params.keeping, reference, pose, before)
+    base.command_vx, base.command_vy, base.command_w = command.x, command.y, command.turn
+    base.integral_x, base.integral_y, base.integral_theta = grown.x, grown.y, grown.turn
+    return command, ahead
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _drive(
+    params: BaseParams, signals: WheelSignals, command: Planar, wanted: Planar, twist: Planar,
+    wheels: Records, states: Records,
+) -> None:  # fmt: skip
+    """Rim speeds and forces for a twist and an acceleration of the base; voltages from them."""
+    force = Planar(params.mass * wanted.x, params.mass * wanted.y, params.inertia * wanted.turn)
+    part = driven_part(states, force, params.max_force)
+    for i in range(len(wheels)):
+        wheel, own = packed(wheels[i]), packed(states[i])
+        own.rim_reference = rim_speed(wheel, command)
+        push = part * rim_force(own, force)
+        if params.control_traction:
+            push = control_traction(params.traction, wheel, own, rim_speed(wheel, twist), push)
+        drive_wheels(wheel, own, push, rim_speed(wheel, wanted))
+        store(signals.voltages, i, own.voltage)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _square(residual: Floats, rims: Floats) -> float:
+    """Square sum, (m/s)^2, of what no twist explains of rim speeds."""
+    total = 0.0
+    for i in range(len(residual)):
+        left = 0.0
+        for j in range(len(residual)):
+            left += residual[i, j] * rims[j]
+        total += left * left
+    return total
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _no_slip(inverse: Floats, rims: Floats) -> SlipState:
+    """Return the state that `slip_step` takes in silence: it trusts the twist of all wheels."""
+    vx, vy, rw = 0.0, 0.0, 0.0
+    for i in range(inverse.shape[1]):
+        vx += inverse[0, i] * rims[i]
+        vy += inverse[1, i] * rims[i]
+        rw += inverse[2, i] * rims[i]
+    return SlipState(vx, vy, rw, 0.0, 0.0, vx, vy, rw, 0.0, 0.0, 0, False, 0, 0, 0, 0, 0, False)
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def _keep_slip(own: Any, after: SlipState) -> None:
+    """Remember what slip detection carries from sample to sample."""
+    own.vx, own.vy, own.rw, own.slack, own.angular_slack = (
+        after.vx, after.vy, after.rw, after.slack, after.angular_slack,
+    )  # fmt: skip
+    own.held_x, own.held_y, own.held_rw = after.held_x, after.held_y, after.held_rw
+    own.held_slack, own.held_angular_slack = after.held_slack, after.held_angular_slack
+    own.level, own.raised, own.pending, own.agreed = after.level, after.raised, after.pending, after.agreed
+    own.named, own.doubt, own.side, own.mixed = after.named, after.doubt, after.side, after.mixed

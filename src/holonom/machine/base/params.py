@@ -1,0 +1,63 @@
+"""What the compiled step of a base's controller takes: its parameters, inputs and memory, as tuples of arrays."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.control.base_kernels import EstimateParams, KeepingParams, ShapingParams, TractionParams, WatchParams
+from holonom.mobile.drive.slip_kernels import SlipParams
+
+__all__ = ["BaseParams", "BaseTask", "Work"]
+
+Floats = NDArray[np.float64]
+
+
+class BaseParams(NamedTuple):
+    """The controller: params of its steps, what it knows of the base, and what is switched on."""
+
+    keeping: KeepingParams
+    shaping: ShapingParams
+    estimate: EstimateParams
+    traction: TractionParams
+    watch: WatchParams
+    slip: SlipParams
+    rows: Floats  # (m, 3) rim speeds per (vx, vy, w)
+    estimate_rows: Floats  # (m + k, 3) the same, and k directions in which no wheel lets the base move
+    drivable: Floats  # (3, 3) twist to the nearest one that drags no wheel
+    residual: Floats  # (m, m) 1 - D D^+
+    inverse: Floats  # (3, m) D^+: (vx, vy, R w) per rim speed
+    quiet: float  # square sum of the residual, (m/s)^2, up to which nothing slips; below 0: ask the detector always
+    push: Floats  # (m,) part of its grip that a motor pushes with per ampere; zeros up to whole fours
+    creep: float  # m/s that a wheel slips with all its grip, were it to grow linearly
+    mass: float
+    inertia: float
+    max_force: float  # N that one wheel is asked for, along its rim
+    max_rim: float  # m/s that a wheel reaches
+    reserve: float  # part of the force that a slowed-down path may need
+    rate_change: float  # 1/s, how fast the path may be slowed down
+    sideways: bool  # whether it can move in all directions
+    detect: bool  # slip detection: leave the slipping wheel out of estimate and allocation
+    control_traction: bool
+    compensate: bool  # watch the motors, allocate without the dead
+
+
+class BaseTask(NamedTuple):
+    """What the level above gave: the rest of a path; a twist is in the state, with its age."""
+
+    path: Floats  # (N, 9) pose, twist, acceleration at 1 kHz; (0, 9) without one
+
+
+class Work(NamedTuple):
+    """Arrays of the controller: `trust`, `weights`, `share` and `last` are kept, the others are scratch."""
+
+    trust: Floats  # (m + k,) which wheels are believed, and the directions in which none moves
+    weights: Floats  # (m,) which are asked for force
+    share: Floats  # (m, 3) their rim forces per force on the base
+    rims: Floats  # rim speeds, m/s; zeros for the k directions
+    gripping: Floats  # (4 n,) the same of the wheels, less what a gripping wheel creeps
+    last: Floats  # (4 n,) that of the sample before
+    acceleration: Floats  # (3,)
+    now: Floats  # (9,) reference
