@@ -22,7 +22,7 @@ SUBSTEPS = 2
 
 
 def measure(setting: Setting) -> list[Figure]:
-    path = plan_path(PATHS["figure_of_eight"](5.0), PathLimits(1.6, 2.0), laps=1 if setting.small else 4)
+    path = plan_path(PATHS.make("figure_of_eight", {"size": 5.0}), PathLimits(1.6, 2.0), laps=1 if setting.small else 4)
     closed = seconds(
         lambda: simulate_base(BASE, DRIVE, path, rng=np.random.default_rng(0), substeps=SUBSTEPS), setting, rounds=7
     )

@@ -2,6 +2,7 @@
 
 HolonomError
 ├── InputError                bad input, found before anything runs (exit status 2)
+│   ├── UsageError            a command line: unknown command or option, a value that does not fit
 │   ├── CellError             a cell file: file, line, key
 │   ├── ProgramError          an ARPS program: file, line, column, caret, hint
 │   ├── ModelError            a robot description
@@ -48,6 +49,7 @@ __all__ = [
     "RunawayProgram",
     "ShapeError",
     "UnknownName",
+    "UsageError",
 ]
 
 
@@ -57,6 +59,10 @@ class HolonomError(Exception):
 
 class InputError(HolonomError, ValueError):
     """Bad input, found before anything runs. The command line ends with status 2."""
+
+
+class UsageError(InputError):
+    """A command line that cannot be used: an unknown command or option, a value that does not fit."""
 
 
 class CellError(InputError):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
+import re
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -15,6 +17,7 @@ import pytest
 from holonom import __version__
 from holonom.app.answer import Answer
 from holonom.app.cli import main
+from holonom.app.commands import COMMANDS
 from holonom.errors import CellError, MotionError
 
 
@@ -82,15 +85,66 @@ def test_json_holds_no_nan(monkeypatch: pytest.MonkeyPatch) -> None:
         main(["run", "cell.toml", "--json"])
 
 
+WRONG = {
+    (): "no command came; there is run, check",
+    ("--jso",): "option '--jso' came before a command",
+    ("runn",): "no command 'runn'; there is bench, .*; did you mean 'run'?",
+    ("calibrate",): "holonom calibrate needs a subject; there is dynamics, odometry",
+    ("calibrate", "dynamic"): "no subject of holonom calibrate 'dynamic'; .*; did you mean 'dynamics'?",
+    ("run",): "required: CELL; 'holonom run --help' says",
+    ("run", "a", "b"): "'b' came; it is unknown or one too many",
+    ("run", "c", "-x"): "'-x' came; it is unknown",
+    ("run", "c", "-o"): "-o/--output: expected one argument",
+    ("run", "--sed", "3", "c"): "no option of holonom run '--sed'; .*; did you mean '--seed'?",
+    ("run", "c", "--quie"): "no option of holonom run '--quie'; .*; did you mean '--quiet'?",
+    ("run", "c", "--seed", "x"): "--seed is 'x'; it must be a whole number",
+    ("run", "c", "--seed", "-3"): "--seed is -3; it must be 0 to 9,223",
+    ("bench", "--seed", "1.5"): "--seed is '1.5'; it must be a whole number",
+    ("calibrate", "dynamics", "r.mcap"): "required: --arm",
+    ("calibrate", "dynamics", "r", "--arm", "a", "--cutoff", "nan"): "--cutoff is nan; it must be finite",
+    ("calibrate", "odometry", "l", "--method", "umbmrk"): "no value of --method 'umbmrk'; .*; did you mean 'umbmark'?",
+    ("calibrate", "odometry", "l", "--limits", "1", "2"): "--limits: expected 4 arguments",
+    ("calibrate", "odometry", "l", "--limits", "1", "2", "3", "x"): "--limits is 'x'; it must be a number",
+    ("doctor", "--schema", "--show-kernel", "k"): "not allowed with argument --schema",
+    ("methods", "comands"): "no value of KIND 'comands'; .*; did you mean 'commands'?",
+}
+
+
+@pytest.mark.parametrize("words", WRONG, ids=" ".join)
+def test_wrong_usage_is_bad_input(words: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words) == 2
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert re.match(f"holonom: error: .*{WRONG[words]}", shown.err), shown.err
+    assert shown.err.count("\n") == 1
+    assert main([*words, "--json"]) == 2
+    shown = capsys.readouterr()
+    assert shown.err == ""
+    error = json.loads(shown.out)["error"]
+    assert (error["type"], error["status"]) == ("UsageError", 2)
+    if words:
+        assert re.match(f".*{WRONG[words]}", error["message"]), error
+        assert main([words[0], "--json", *words[1:]]) == 2
+        assert json.loads(capsys.readouterr().out)["error"]["type"] == "UsageError"
+
+
 @pytest.mark.parametrize(
-    "arguments",
-    [[], ["runn"], ["run"], ["run", "c", "--seed", "x"], ["run", "c", "--seed", "-1"], ["doctor", "--nonsense"]],
+    "words", [["--help"], ["-h"], ["calibrate", "--help"], *([*n.split(), "-h"] for n in COMMANDS)]
 )
-def test_wrong_usage(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as caught:
-        main(arguments)
-    assert caught.value.code == 2
-    assert "usage: holonom" in capsys.readouterr().err
+def test_help(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with contextlib.suppress(SystemExit):  # argparse leaves by one, with status 0
+        assert main(words) == 0
+    shown = capsys.readouterr()
+    assert shown.err == ""
+    assert shown.out.startswith(f"usage: {' '.join(['holonom', *words[:-1]])} [-h]")
+    for name in COMMANDS if len(words) == 1 else ():
+        assert f"{name:20}{COMMANDS[name].help}" in shown.out
+
+
+def test_one_command_loads_no_other(tmp_path: Path) -> None:
+    code = "import sys; from holonom.app.cli import main; main(['check', 'x.toml']); print(*sys.modules)"
+    loaded = set(python("-c", code, folder=tmp_path).stdout.splitlines()[-1].split())
+    assert {name for name in loaded if name.startswith("holonom.app.commands.")} == {"holonom.app.commands.check"}
 
 
 def test_doctor_says_what_is_there(capsys: pytest.CaptureFixture[str]) -> None:

@@ -11,7 +11,7 @@ from holonom.errors import OutOfLimits, UnknownName
 from holonom.mechanics.motion import PROFILES, Law, on_grid, sample, time_law
 
 NAMES = sorted(PROFILES)
-SMOOTH = [name for name in NAMES if np.isfinite(PROFILES[name].curvature)]
+SMOOTH = [name for name in NAMES if np.isfinite(PROFILES.make(name).curvature)]
 size = st.floats(1e-3, 1e3)
 
 
@@ -82,7 +82,7 @@ def test_quintic_is_the_textbook_polynomial(distance: float, speed: float, accel
 
 @given(st.sampled_from(["trapezoid", "scurve"]), st.integers(1, 60), st.integers(0, 60))
 def test_the_fall_of_one_and_the_rise_of_the_next_sum_to_the_top_speed(name: str, ramp: int, cruise: int) -> None:
-    (_, ds, dds), brake = on_grid(Law(PROFILES[name], float(ramp), float(cruise)), 1.0)
+    (_, ds, dds), brake = on_grid(Law(PROFILES.make(name), float(ramp), float(cruise)), 1.0)
     assert brake == ramp + cruise
     np.testing.assert_allclose(ds[brake:] + ds[: ramp + 1], ds[brake], rtol=1e-12)
     np.testing.assert_allclose(dds[brake:] + dds[: ramp + 1], 0.0, atol=1e-12)

@@ -8,8 +8,8 @@ import pytest
 from bases import presets
 
 from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError, UnknownName
+from holonom.mobile import ARRANGEMENTS, arrangement
 from holonom.mobile import arrangements as arr
-from holonom.mobile.arrangements import ARRANGEMENTS, arrangement
 from holonom.mobile.base import WheelBase
 from holonom.mobile.centre import centre_of_axles
 

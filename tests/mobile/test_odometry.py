@@ -157,7 +157,7 @@ def test_the_row_that_is_no_number_is_named() -> None:
 @given(seeds, st.sampled_from(sorted(RULES)))
 def test_jacobians_of_a_step_by_finite_differences(seed: int, rule: str) -> None:
     rng = np.random.default_rng(seed)
-    share, exact = RULES[rule]
+    share, exact = RULES.make(rule)
     pose, increment = rng.normal(size=3), rng.normal(size=3) * 10.0 ** rng.integers(-5, 1)
     F, G = np.empty((3, 3)), np.empty((3, 3))
     step_jacobians(pose[2], increment, share, exact, F, G)
@@ -172,7 +172,7 @@ def test_jacobians_of_a_step_by_finite_differences(seed: int, rule: str) -> None
 @given(seeds, st.integers(1, 4), st.sampled_from(sorted(RULES)))
 def test_sensitivities_by_finite_differences(seed: int, wheels: int, rule: str) -> None:
     rng = np.random.default_rng(seed)
-    share, exact = RULES[rule]
+    share, exact = RULES.make(rule)
     features, M, start = 0.3 * rng.normal(size=(20, wheels)), rng.normal(size=(3, wheels)), rng.normal(size=3)
     path, slopes = np.empty((20, 3)), np.empty((20, 3, 3 * wheels))
     sensitivities_into(features, M, start, share, exact, path, slopes)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -10,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJson
 from pydantic_core import core_schema
 
 from holonom.app.units import DIMENSIONS, parse_quantity
-from holonom.errors import CellError, OutOfLimits
+from holonom.errors import CellError, OutOfLimits, UnknownName
 
 __all__ = [
     "Angle",
@@ -20,6 +21,7 @@ __all__ = [
     "File",
     "Fraction",
     "Length",
+    "OneOf",
     "Pixel",
     "Quantity",
     "Section",
@@ -72,6 +74,26 @@ class ExistingFile:
         if not (folder / name).is_file():
             raise CellError(f"no file {name!r} in {folder}; put it there or give its path relative to the cell file")
         return folder / name
+
+
+@dataclass(frozen=True, slots=True)
+class OneOf:
+    """Reads a name that a table lists: the table, or the names that there are."""
+
+    names: Iterable[str]
+
+    def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self._read)
+
+    def __get_pydantic_json_schema__(
+        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return {"enum": list(self.names), "type": "string"}
+
+    def _read(self, value: object) -> str:
+        if not isinstance(value, str) or value not in self.names:
+            raise UnknownName("setting", str(value), self.names)
+        return value
 
 
 Text = Annotated[str, Strict(), Field(min_length=1)]

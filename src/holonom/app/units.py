@@ -31,7 +31,10 @@ DIMENSIONS: Mapping[str, Mapping[str, float]] = {
     "current": {"A": 1.0, "mA": 1e-3},
     "resistance": {"ohm": 1.0, "mohm": 1e-3},
     "inductance": {"mH": 1e-3, "uH": 1e-6, "H": 1.0},
+    "torque": {"mNm": 1e-3, "Nm": 1.0},
     "torque constant": {"mNm/A": 1e-3, "Nm/A": 1.0},
+    "voltage constant": {"mVs/rad": 1e-3, "Vs/rad": 1.0},
+    "rotational damping": {"uNms/rad": 1e-6, "mNms/rad": 1e-3, "Nms/rad": 1.0},
     "inertia": {"gcm2": 1e-7, "kgm2": 1.0},
     "number": {"": 1.0},
 }

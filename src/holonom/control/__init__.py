@@ -29,6 +29,8 @@ Loops on a mobile base (compiled steps in `base_kernels`):
 `WatchSettings`          when a motor counts as dead
 `tune_wheel`             a motor's data sheet to the `WheelLoop` of its wheel, with margins
 =======================  =======================================================================
+
+Tables: `CONTROLLERS` of an arm's joints, `BASE_CONTROLLERS`, the parts above.
 """
 
 from holonom.control.base_tuning import WheelLoop, tune_wheel
@@ -50,14 +52,19 @@ from holonom.control.kernels import (
     torque_to_current,
 )
 from holonom.control.limits import AxisLimits, Violation, drive_fault
+from holonom.control.methods import BASE_CONTROLLERS, CONTROLLERS, CascadeSettings, ComputedTorqueSettings
 from holonom.control.path_keeping import EstimateSettings, KeepingSettings
 from holonom.control.traction import TractionSettings, WatchSettings
 from holonom.control.tuning import CascadeGains, LoopMargin, SampleTimes, ServoAxis, design_cascade
 
 __all__ = [
+    "BASE_CONTROLLERS",
+    "CONTROLLERS",
     "AccelerationParams",
     "AxisLimits",
     "CascadeGains",
+    "CascadeSettings",
+    "ComputedTorqueSettings",
     "CurrentParams",
     "EstimateSettings",
     "KeepingSettings",

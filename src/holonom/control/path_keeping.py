@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from math import inf
 
 from holonom.control.base_kernels import EstimateParams, KeepingParams
-from holonom.errors import OutOfLimits
+from holonom.registry import check_fields, parameter
 
 __all__ = ["EstimateSettings", "KeepingSettings"]
 
@@ -15,35 +16,30 @@ __all__ = ["EstimateSettings", "KeepingSettings"]
 class KeepingSettings:
     """Feed-forward and PI on the pose error, acceleration limited; law in `control.base_kernels.keeping_step`.
 
-    Attributes
-    ----------
-    bandwidth
-        Of the position and heading loops, rad/s: their proportional gain.
-    integral_time
-        Of the integral, s; infinite for none.
-    velocity_bandwidth
-        rad/s: acceleration asked for per velocity error.
-    max_correction, max_turn_correction
-        Largest speed that an error may add, m/s and rad/s.
-    max_acceleration, max_turn_acceleration
-        m/s^2 and rad/s^2, of the commanded twist.
-
     Raises
     ------
     OutOfLimits
         A number that is not positive.
     """
 
-    bandwidth: float = 6.0
-    integral_time: float = 1.0
-    velocity_bandwidth: float = 15.0
-    max_correction: float = 0.6
-    max_turn_correction: float = 4.0
-    max_acceleration: float = 6.0
-    max_turn_acceleration: float = 80.0
+    bandwidth: float = parameter(
+        6.0, meaning="of the position and heading loops: their proportional gain", unit="rad/s", above=0.0
+    )
+    integral_time: float = parameter(1.0, meaning="of the integral, infinite for none", unit="s", above=0.0, most=inf)
+    velocity_bandwidth: float = parameter(
+        15.0, meaning="acceleration asked for per velocity error", unit="rad/s", above=0.0
+    )
+    max_correction: float = parameter(
+        0.6, meaning="largest speed that an error may add", unit="m/s", above=0.0, most=inf
+    )
+    max_turn_correction: float = parameter(
+        4.0, meaning="largest turning rate that an error may add", unit="rad/s", above=0.0, most=inf
+    )
+    max_acceleration: float = parameter(6.0, meaning="of the commanded twist", unit="m/s2", above=0.0, most=inf)
+    max_turn_acceleration: float = parameter(80.0, meaning="of the commanded twist", unit="rad/s2", above=0.0, most=inf)
 
     def __post_init__(self) -> None:
-        _all_positive(self)
+        check_fields(self)
 
     def params(self, dt: float) -> KeepingParams:
         """Params of `keeping_step` at a sample time, s."""
@@ -67,14 +63,7 @@ class KeepingSettings:
 class EstimateSettings:
     """Velocity from gyro, accelerometers and wheels; law in `control.base_kernels.estimate_step`.
 
-    Attributes
-    ----------
-    bandwidth
-        rad/s, with which the wheels correct the carried velocity.
-    max_pull
-        m/s^2, at most, so that all wheels spinning at once do not carry it away.
-    bias_time
-        s, in which the wheels' turning rate corrects the gyro's zero; infinite for never.
+    The largest pull keeps all wheels spinning at once from carrying it away.
 
     Raises
     ------
@@ -82,20 +71,17 @@ class EstimateSettings:
         A number that is not positive.
     """
 
-    bandwidth: float = 50.0
-    max_pull: float = 0.2
-    bias_time: float = 20.0
+    bandwidth: float = parameter(
+        50.0, meaning="with which the wheels correct the carried velocity", unit="rad/s", above=0.0
+    )
+    max_pull: float = parameter(0.2, meaning="largest such correction", unit="m/s2", above=0.0, most=inf)
+    bias_time: float = parameter(
+        20.0, meaning="in which wheels correct the gyro's zero, infinite for never", unit="s", above=0.0, most=inf
+    )
 
     def __post_init__(self) -> None:
-        _all_positive(self)
+        check_fields(self)
 
     def params(self, dt: float) -> EstimateParams:
         """Params of `estimate_step` at a sample time, s."""
         return EstimateParams(dt, 1.0 - math.exp(-self.bandwidth * dt), self.max_pull, dt / self.bias_time)
-
-
-def _all_positive(settings: KeepingSettings | EstimateSettings) -> None:
-    for field in fields(settings):
-        value = getattr(settings, field.name)
-        if not value > 0.0:
-            raise OutOfLimits(f"{type(settings).__name__}: {field.name} is {value!r}; it must be greater than 0")

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from holonom.control.base_kernels import TractionParams, WatchParams
 from holonom.errors import OutOfLimits
+from holonom.registry import check_fields, parameter
 
 __all__ = ["TractionSettings", "WatchSettings"]
 
@@ -15,12 +15,7 @@ __all__ = ["TractionSettings", "WatchSettings"]
 class TractionSettings:
     """How much slip is wanted; laws in `control.base_kernels.traction_step` and `within_slip`.
 
-    Attributes
-    ----------
-    free_slip, max_slip
-        m/s: slip that is left alone, and the largest that a wheel is sent to; friction peaks between them.
-    cut_time, recovery_time
-        s, to take away a wheel's drive force at the largest slip, and to give it back.
+    Friction peaks between the two slips.
 
     Raises
     ------
@@ -28,18 +23,20 @@ class TractionSettings:
         Not `0 < free_slip < max_slip`, or a time that is not positive.
     """
 
-    free_slip: float = 0.06
-    max_slip: float = 0.15
-    cut_time: float = 0.02
-    recovery_time: float = 0.2
+    free_slip: float = parameter(0.06, meaning="slip that is left alone", unit="m/s", above=0.0)
+    max_slip: float = parameter(0.15, meaning="largest slip that a wheel is sent to", unit="m/s", above=0.0)
+    cut_time: float = parameter(
+        0.02, meaning="to take away a wheel's drive force at the largest slip", unit="s", above=0.0
+    )
+    recovery_time: float = parameter(0.2, meaning="to give it back", unit="s", above=0.0)
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.free_slip < self.max_slip < math.inf:
+        check_fields(self)
+        if not self.free_slip < self.max_slip:
             raise OutOfLimits(
                 f"TractionSettings: free_slip {self.free_slip!r}, max_slip {self.max_slip!r} m/s; "
-                "needed is 0 < free_slip < max_slip"
+                "needed is free_slip < max_slip"
             )
-        _times("TractionSettings", cut_time=self.cut_time, recovery_time=self.recovery_time)
 
     def params(self, dt: float) -> TractionParams:
         """Params of `traction_step` at a sample time, s."""
@@ -50,21 +47,9 @@ class TractionSettings:
 class WatchSettings:
     """When a motor counts as dead or jammed; laws in `control.base_kernels.watch_step` and `watch_verdict`.
 
-    Attributes
-    ----------
-    least_current
-        A: smaller modelled currents prove nothing. Several times the noise of the shunt.
-    least_part
-        Part of the modelled current that a live motor draws at least.
-    standstill, least_reference
-        rad/s of the motor: slower is standing, the noise of an encoder count; faster a command proves something.
-    patience, jam_patience
-        s of evidence for an open winding, and for a jam. A wheel of a base that others push may pass through standstill
-        against its command; one that is jammed stays there.
-    holding_current
-        A, about as much as the floor can hold a wheel against: with more of it a wheel that is not jammed turns.
-    doubt
-        Part of the time that counts as evidence of a jam while the slip of other wheels may explain it.
+    The least current is several times the noise of the shunt, standstill the noise of an encoder count. A wheel of a
+    base that others push may pass through standstill against its command; one that is jammed stays there. The floor can
+    hold a wheel against about the holding current.
 
     Raises
     ------
@@ -72,30 +57,24 @@ class WatchSettings:
         A number that is not positive, a part of 1 and more, a doubt above 1.
     """
 
-    least_current: float = 0.25
-    least_part: float = 0.3
-    standstill: float = 0.4
-    least_reference: float = 15.0
-    patience: float = 0.03
-    jam_patience: float = 0.04
-    holding_current: float = 3.0
-    doubt: float = 0.25
+    least_current: float = parameter(0.25, meaning="smaller modelled currents prove nothing", unit="A", above=0.0)
+    least_part: float = parameter(
+        0.3, meaning="of the modelled current, what a live motor draws at least", above=0.0, below=1.0
+    )
+    standstill: float = parameter(0.4, meaning="slower motors stand", unit="rad/s", above=0.0)
+    least_reference: float = parameter(15.0, meaning="faster commands prove something", unit="rad/s", above=0.0)
+    patience: float = parameter(0.03, meaning="evidence for an open winding", unit="s", above=0.0)
+    jam_patience: float = parameter(0.04, meaning="evidence for a jam", unit="s", above=0.0)
+    holding_current: float = parameter(3.0, meaning="with more of it a free wheel turns", unit="A", above=0.0)
+    doubt: float = parameter(
+        0.25,
+        meaning="part of the time that counts for a jam while others' slip may explain it",
+        above=0.0,
+        most=1.0,
+    )
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.least_part < 1.0:
-            raise OutOfLimits(f"WatchSettings: least_part is {self.least_part!r}; it must lie between 0 and 1")
-        _times(
-            "WatchSettings",
-            least_current=self.least_current,
-            standstill=self.standstill,
-            least_reference=self.least_reference,
-            patience=self.patience,
-            jam_patience=self.jam_patience,
-            holding_current=self.holding_current,
-            doubt=self.doubt,
-        )
-        if self.doubt > 1.0:
-            raise OutOfLimits(f"WatchSettings: doubt is {self.doubt!r}; it must be above 0 and at most 1")
+        check_fields(self)
 
     def params(self, dt: float) -> WatchParams:
         """Params of `watch_step` at a sample time, s."""
@@ -103,9 +82,3 @@ class WatchSettings:
             dt, self.least_current, self.least_part, self.standstill, self.least_reference,
             self.patience, self.jam_patience, self.holding_current, self.doubt,
         )  # fmt: skip
-
-
-def _times(owner: str, **values: float) -> None:
-    for name, value in values.items():
-        if not 0.0 < value < math.inf:
-            raise OutOfLimits(f"{owner}: {name} is {value!r}; it must be finite and greater than 0")

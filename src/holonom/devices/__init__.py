@@ -7,7 +7,10 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 `Gear`                  signed ratio, efficiency
 `Friction`              viscous and asymmetric Coulomb
 `Encoder`               counts, longest read interval; `tracking_params` for the speed observer
+`Gyro`                  noise and offset; `Accelerometer` and `CurrentShunt` too
 ======================  ========================================================================
+
+`DEVICES` lists those between motor and joint.
 
 Compiled steps over scalars (`kernels.py`), for a loop that keeps the state of its axes in rows of numbers:
 
@@ -43,9 +46,14 @@ from holonom.devices.kernels import (
     gear_torque,
     tracking_step,
 )
+from holonom.devices.methods import DEVICES
+from holonom.devices.sensors import Accelerometer, CurrentShunt, Gyro
 
 __all__ = [
+    "DEVICES",
+    "Accelerometer",
     "ArmatureParams",
+    "CurrentShunt",
     "DcMotor",
     "Encoder",
     "EncoderParams",
@@ -53,6 +61,7 @@ __all__ = [
     "FrictionParams",
     "Gear",
     "GearParams",
+    "Gyro",
     "TrackingParams",
     "TrackingState",
     "armature_step",

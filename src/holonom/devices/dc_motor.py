@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 from holonom.devices._checks import require
 from holonom.devices.kernels import ArmatureParams
+from holonom.errors import ModelError
+from holonom.registry import check_fields, parameter
 
 __all__ = ["DcMotor"]
 
@@ -15,18 +17,8 @@ __all__ = ["DcMotor"]
 class DcMotor:
     """Data sheet of a permanent-magnet DC motor, as Maxon prints it, in SI units.
 
-    Attributes
-    ----------
-    resistance, inductance
-        Armature, ohm and H.
-    torque_constant, back_emf_constant
-        `k2 Phi` in N m/A and `k1 Phi` in V s/rad; equal where a sheet states only one.
-    rotor_inertia
-        kg m^2, without the load.
-    max_voltage, max_current
-        Supply in V; limit of the power stage in A.
-    no_load_current
-        A, the current that turns the free motor; its torque is the motor's own friction.
+    The two constants are equal where a sheet states only one. The torque of the no-load current is the motor's own
+    friction.
 
     Raises
     ------
@@ -34,27 +26,17 @@ class DcMotor:
         A field that is not a finite positive number (`no_load_current` may be 0).
     """
 
-    resistance: float
-    inductance: float
-    torque_constant: float
-    back_emf_constant: float
-    rotor_inertia: float
-    max_voltage: float
-    max_current: float
-    no_load_current: float = 0.0
+    resistance: float = parameter(meaning="armature", unit="ohm", above=0.0, example=2.1)
+    inductance: float = parameter(meaning="armature", unit="H", above=0.0, example=3.4e-3)
+    torque_constant: float = parameter(meaning="k2 Phi, torque per current", unit="N m/A", above=0.0, example=0.189)
+    back_emf_constant: float = parameter(meaning="k1 Phi, voltage per speed", unit="V s/rad", above=0.0, example=0.189)
+    rotor_inertia: float = parameter(meaning="without the load", unit="kg m2", above=0.0, example=2e-4)
+    max_voltage: float = parameter(meaning="supply", unit="V", above=0.0, example=40.0)
+    max_current: float = parameter(meaning="limit of the power stage", unit="A", above=0.0, example=10.0)
+    no_load_current: float = parameter(0.0, meaning="current that turns the free motor", unit="A", least=0.0)
 
     def __post_init__(self) -> None:
-        for field in (
-            "resistance",
-            "inductance",
-            "torque_constant",
-            "back_emf_constant",
-            "rotor_inertia",
-            "max_voltage",
-            "max_current",
-        ):
-            require("DcMotor", field, getattr(self, field), above=0.0)
-        require("DcMotor", "no_load_current", self.no_load_current, least=0.0)
+        check_fields(self, ModelError)
 
     @property
     def speed_gain(self) -> float:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 from holonom.devices._checks import require
 from holonom.devices.kernels import COUNTER_SIZE, EncoderParams, TrackingParams
+from holonom.errors import ModelError
+from holonom.registry import check_fields, parameter
 
 __all__ = ["Encoder", "tracking_params"]
 
@@ -15,21 +17,18 @@ __all__ = ["Encoder", "tracking_params"]
 class Encoder:
     """An incremental encoder on the motor shaft.
 
-    Attributes
-    ----------
-    counts_per_rev
-        Counts per turn of the motor after decoding (four per line with 4x decoding).
-
     Raises
     ------
     ModelError
         Fewer than one count per turn.
     """
 
-    counts_per_rev: int
+    counts_per_rev: int = parameter(
+        meaning="counts per turn of the motor after decoding, four per line with 4x decoding", least=1, example=1000
+    )
 
     def __post_init__(self) -> None:
-        require("Encoder", "counts_per_rev", self.counts_per_rev, least=1)
+        check_fields(self, ModelError)
 
     @property
     def resolution(self) -> float:

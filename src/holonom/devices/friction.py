@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from holonom.devices._checks import require
 from holonom.devices.kernels import FrictionParams
+from holonom.errors import ModelError
+from holonom.registry import check_fields, parameter
 
 __all__ = ["Friction"]
 
@@ -17,13 +19,7 @@ class Friction:
     The sign is regularised, so standstill is approximate: below the breakaway torque the shaft does not
     stick, it creeps at `w = e T / sqrt(T_c^2 - T^2)`.
 
-    Attributes
-    ----------
-    viscous
-        B, N m s/rad.
-    coulomb_positive, coulomb_negative
-        Magnitudes of T_c for positive and negative speed, N m (tables often print the second as a negative
-        number).
+    Tables often print the magnitude for negative speed as a negative number.
 
     Raises
     ------
@@ -31,13 +27,12 @@ class Friction:
         A field that is negative or not finite.
     """
 
-    viscous: float = 0.0
-    coulomb_positive: float = 0.0
-    coulomb_negative: float = 0.0
+    viscous: float = parameter(0.0, meaning="B", unit="N m s/rad", least=0.0)
+    coulomb_positive: float = parameter(0.0, meaning="magnitude of T_c for positive speed", unit="N m", least=0.0)
+    coulomb_negative: float = parameter(0.0, meaning="magnitude of T_c for negative speed", unit="N m", least=0.0)
 
     def __post_init__(self) -> None:
-        for field in ("viscous", "coulomb_positive", "coulomb_negative"):
-            require("Friction", field, getattr(self, field), least=0.0)
+        check_fields(self, ModelError)
 
     def smallest_smoothing(self, inertia: float, dt: float) -> float:
         """Least smoothing e (rad/s) with which an explicit step does not chatter about standstill: `T_c dt / J`.

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from holonom.devices._checks import require
 from holonom.devices.kernels import GearParams
 from holonom.errors import ModelError
+from holonom.registry import check_fields, parameter
 
 __all__ = ["Gear"]
 
@@ -15,13 +15,8 @@ __all__ = ["Gear"]
 class Gear:
     """A stiff gear without play.
 
-    Attributes
-    ----------
-    ratio
-        Motor turns per joint turn; negative where the joint turns against the motor (Puma 560, joints 1 and
-        3).
-    efficiency
-        In (0, 1]: `tau = nu eta m` while the motor drives, `nu m / eta` while the load drives it back.
+    The ratio is negative where the joint turns against the motor (Puma 560, joints 1 and 3). With the efficiency
+    `tau = nu eta m` while the motor drives, `nu m / eta` while the load drives it back.
 
     Raises
     ------
@@ -29,12 +24,11 @@ class Gear:
         A ratio of 0 or an efficiency outside (0, 1].
     """
 
-    ratio: float
-    efficiency: float = 1.0
+    ratio: float = parameter(meaning="nu, motor turns per joint turn, not 0", example=62.6)
+    efficiency: float = parameter(1.0, meaning="eta", above=0.0, most=1.0)
 
     def __post_init__(self) -> None:
-        require("Gear", "ratio", self.ratio)
-        require("Gear", "efficiency", self.efficiency, above=0.0, most=1.0)
+        check_fields(self, ModelError)
         if self.ratio == 0.0:
             raise ModelError("Gear: ratio is 0; it must be the motor turns per joint turn, e.g. 62.6 or -62.6")
 

@@ -9,7 +9,8 @@ Run
 The robot
     `Machine` is the protocol; `Motion`, `Configuration` and `Part` cross it.
 Tables of the language
-    `INSTRUCTIONS`, `FUNCTIONS`, `FORMATS`, `FEATURES` (what VFEATURE numbers mean), `WORDS`.
+    `INSTRUCTIONS`, `FUNCTIONS`, `FORMATS`, `FEATURES` (what VFEATURE numbers mean), `WORDS`;
+    `ARPS_WORDS` lists every word with its help.
 """
 
 from holonom.lang.compiler import compile_program, load_program
@@ -23,8 +24,10 @@ from holonom.lang.program import Program
 from holonom.lang.state import Status, VmState
 from holonom.lang.syntax import WORDS
 from holonom.lang.vm import proceed, start, step
+from holonom.lang.words import ARPS_WORDS
 
 __all__ = [
+    "ARPS_WORDS",
     "FEATURES",
     "FORMATS",
     "FUNCTIONS",

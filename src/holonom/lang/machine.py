@@ -8,7 +8,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Array", "Configuration", "Machine", "Motion", "Part"]
+__all__ = ["Array", "Configuration", "Machine", "Motion", "MotionKind", "Part", "Tolerance"]
 
 Array = NDArray[np.float64]
 
@@ -23,6 +23,10 @@ class Configuration:
     shoulder: str | None = None
     elbow: str | None = None
     wrist: str | None = None
+
+
+MotionKind = Literal["joint", "line"]
+Tolerance = Literal["coarse", "fine"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +57,7 @@ class Motion:
         Source line that asked for it.
     """
 
-    kind: Literal["joint", "line"]
+    kind: MotionKind
     pose: Array | None
     joints: Array | None
     speed: float
@@ -61,7 +65,7 @@ class Motion:
     acceleration: float
     configuration: Configuration
     blend: bool
-    tolerance: Literal["coarse", "fine"]
+    tolerance: Tolerance
     line: int
 
 

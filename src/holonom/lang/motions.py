@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 
@@ -12,17 +11,16 @@ from holonom.errors import ProgramFault
 from holonom.lang import poses
 from holonom.lang.builtin import Builtin, location, real, target
 from holonom.lang.functions import dest
-from holonom.lang.machine import Array, Motion
+from holonom.lang.machine import Array, Motion, MotionKind, Tolerance
 from holonom.lang.state import Speed, Vm
 from holonom.spatial import inverse
 
 __all__ = ["MOTIONS", "set_speed", "set_tolerance"]
 
 _MM = 1e-3
-_How = Literal["joint", "line"]
 
 
-def _send(vm: Vm, kind: _How, place: Array, speed: Speed | None = None) -> bool:
+def _send(vm: Vm, kind: MotionKind, place: Array, speed: Speed | None = None) -> bool:
     """Hand a motion to a location (4, 4) or a precision point (n,) to the machine; False: queue full."""
     settings = vm.state.settings
     chosen = speed or settings.next_speed or settings.speed
@@ -46,11 +44,11 @@ def _send(vm: Vm, kind: _How, place: Array, speed: Speed | None = None) -> bool:
     return taken
 
 
-def _approach(vm: Vm, kind: _How, place: Array, distance: float) -> bool:
+def _approach(vm: Vm, kind: MotionKind, place: Array, distance: float) -> bool:
     return _send(vm, kind, _drawn_back(place, distance))
 
 
-def _depart(vm: Vm, kind: _How, distance: float) -> bool:
+def _depart(vm: Vm, kind: MotionKind, distance: float) -> bool:
     return _send(vm, kind, _drawn_back(dest(vm), distance))
 
 
@@ -128,7 +126,7 @@ def set_speed(vm: Vm, value: float, words: frozenset[str]) -> None:
         settings.speed = speed
 
 
-def set_tolerance(vm: Vm, value: Literal["coarse", "fine"], always: bool) -> None:
+def set_tolerance(vm: Vm, value: Tolerance, always: bool) -> None:
     """Set how closely the next motion settles, or all that follow."""
     settings = vm.state.settings
     settings.next_tolerance = None if always else value

@@ -5,12 +5,11 @@ from __future__ import annotations
 import copy
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import Literal
 
 import numpy as np
 
 from holonom.errors import ProgramFault
-from holonom.lang.machine import Array, Configuration, Machine, Part
+from holonom.lang.machine import Array, Configuration, Machine, Part, Tolerance
 from holonom.lang.program import Program, Routine, Value
 
 __all__ = ["Frame", "Settings", "Speed", "Status", "Variable", "Vm", "VmState"]
@@ -88,8 +87,8 @@ class Settings:
     acceleration: float = 1.0
     configuration: Configuration = field(default_factory=Configuration)
     continuous: bool = True
-    tolerance: Literal["coarse", "fine"] = "fine"
-    next_tolerance: Literal["coarse", "fine"] | None = None
+    tolerance: Tolerance = "fine"
+    next_tolerance: Tolerance | None = None
     base: Array = field(default_factory=lambda: np.eye(4))
     tool: Array = field(default_factory=lambda: np.eye(4))
 

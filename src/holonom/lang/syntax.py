@@ -12,28 +12,15 @@ from lark.exceptions import UnexpectedInput
 from holonom.errors import ProgramError
 from holonom.lang.diagnostics import Diagnostic, Node, Span, nearest, span_of
 from holonom.lang.instructions import INSTRUCTIONS
+from holonom.lang.words import SYNTAX_WORDS
 
 __all__ = ["WORDS", "parse"]
 
-# Words that only give shape, words that also carry a meaning, and words that begin an instruction.
-_SHAPE = (
-    *("ANY", "BY", "CALL", "CASE", "CP", "DECOMPOSE", "DO", "ELSE", "ELSEIF", "END", "FOR", "GOTO", "HERE", "IF"),
-    *("OF", "RETURN", "SET", "SHIFT", "SPEED", "STEP", "THEN", "TO", "TYPE", "UNTIL", "VALUE", "WAIT", "WHILE"),
-)
-_MEANING = (
-    *("ALWAYS", "AND", "AUTO", "BAND", "BOR", "BXOR", "COARSE", "COM", "FINE", "LOCAL", "MMPS", "MOD"),
-    *("MONITOR", "NOT", "OFF", "ON", "OR", "TIMER", "XOR"),
-)
-_STATEMENTS = (
-    *INSTRUCTIONS,
-    *("AUTO", "CALL", "CASE", "COARSE", "CP", "DECOMPOSE", "DO", "FINE", "FOR", "GOTO", "HERE", "IF", "LOCAL"),
-    *("RETURN", "SET", "SPEED", "TIMER", "TYPE", "WAIT", "WHILE"),
-)
+_STATEMENTS = (*INSTRUCTIONS, *(name for name, word in SYNTAX_WORDS.items() if word.begins))
 
 # Words of the language and the terminal that each of them is for the parser.
 WORDS: dict[str, str] = {
-    **{word: f"_{word}" for word in _SHAPE},
-    **{word: word for word in _MEANING},
+    **{name: name if word.carries else f"_{name}" for name, word in SYNTAX_WORDS.items()},
     **dict.fromkeys(INSTRUCTIONS, "ACTION"),
 }
 _OPENS = {"_IF": "IF", "_FOR": "FOR", "_WHILE": "WHILE", "_CASE": "CASE", "_DO": "DO"}

@@ -13,10 +13,11 @@ that evolves is explicit state that can be copied.
 =====================  ===========================================================
 """
 
+from holonom.control import CONTROLLERS
 from holonom.machine.arm.dry import DryMachine, Problem
 from holonom.machine.arm.machine import ArmMachine
 from holonom.machine.arm.motions import LineSettings, branch_joints
-from holonom.machine.arm.servos import CONTROLLERS, ArmServos, ControlSettings
+from holonom.machine.arm.servos import ArmServos, ControlSettings
 from holonom.machine.base.controller import BaseController
 from holonom.machine.base.paths import PATHS, PathLimits, ReferencePath, plan_path, waypoints
 from holonom.machine.base.settings import BaseSettings, Creep, slip_settings

@@ -6,7 +6,6 @@ Inverse and forward dynamics, mass and Coriolis matrix and gravity are methods o
 from __future__ import annotations
 
 import dataclasses
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,6 +15,7 @@ from holonom.mechanics.equations.inertia import fixed_to_body
 from holonom.mechanics.kernels import bodies_of
 from holonom.mechanics.results import CouplingTable, Energy, ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 from holonom.model import Body
+from holonom.model.arm import Rotors
 
 __all__ = [
     "CouplingTable",
@@ -152,7 +152,7 @@ def with_payload(arm: Arm, payload: Body) -> Arm:
     return Arm(dataclasses.replace(arm.model, bodies=tuple(bodies)))
 
 
-def with_rotors(arm: Arm, rotors: Literal["reflected", "full"]) -> Arm:
+def with_rotors(arm: Arm, rotors: Rotors) -> Arm:
     """Return the arm with another rotor model (specification 2.1).
 
     "reflected": gear_ratio^2 I_m on the diagonal of B only. "full": also the coupling of each rotor with the link that

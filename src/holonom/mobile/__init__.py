@@ -26,10 +26,8 @@ Odometry
 
 from holonom.mobile import poses
 from holonom.mobile.arrangements import (
-    ARRANGEMENTS,
     ackermann,
     ackermann_steering,
-    arrangement,
     differential,
     mecanum,
     omni,
@@ -73,6 +71,7 @@ from holonom.mobile.drive.failed_motor import (
 from holonom.mobile.drive.limits import DriveLimits, drive_limits
 from holonom.mobile.drive.patterns import PatternParts, copper_loss, idle_patterns, readable_patterns, split_pattern
 from holonom.mobile.drive.slip import SlipReport, SlipSettings, SlipStatus, detect_slip, separable_wheels
+from holonom.mobile.methods import ARRANGEMENTS, LOCALISERS, SLIP_DETECTORS, arrangement
 from holonom.mobile.mobility import (
     Mobility,
     conflicting_wheels,
@@ -96,6 +95,8 @@ from holonom.mobile.wheel import KINDS, Wheel
 __all__ = [
     "ARRANGEMENTS",
     "KINDS",
+    "LOCALISERS",
+    "SLIP_DETECTORS",
     "Actuation",
     "BaseDrive",
     "BaseSensors",

@@ -7,20 +7,20 @@ axle of tricycle and car, at the middle of the others.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError, UnknownName
+from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError
 from holonom.mobile.base import WheelBase
 from holonom.mobile.evaluation import finite, samples
 from holonom.mobile.wheel import Wheel
 from holonom.mobile.wheel_set import positive
 
 __all__ = [
-    "ARRANGEMENTS", "Body", "ackermann", "ackermann_steering", "arrangement", "differential", "mecanum", "omni",
+    "Body", "ackermann", "ackermann_steering", "differential", "mecanum", "omni",
     "sphere", "swerve", "synchro", "tricycle",
 ]  # fmt: skip
 
@@ -238,31 +238,7 @@ def sphere(wheel_radius: float, **body: Unpack[Body]) -> WheelBase:
     return _base("sphere", [Wheel.at("spherical", 0.0, 0.0, radius=wheel_radius, driven=True, name="ball")], body)
 
 
-ARRANGEMENTS: Mapping[str, Callable[..., WheelBase]] = {
-    "differential": differential,
-    "tricycle": tricycle,
-    "ackermann": ackermann,
-    "synchro": synchro,
-    "omni": omni,
-    "mecanum": mecanum,
-    "swerve": swerve,
-    "sphere": sphere,
-}
-"""Name -> function; a new arrangement is a function and one line here."""
-
 _CORNERS = ("front left", "front right", "rear left", "rear right")
-
-
-def arrangement(kind: str) -> Callable[..., WheelBase]:
-    """Return a preset by name.
-
-    Raises
-    ------
-    UnknownName
-    """
-    if kind not in ARRANGEMENTS:
-        raise UnknownName("arrangement of wheels", kind, ARRANGEMENTS)
-    return ARRANGEMENTS[kind]
 
 
 def _base(

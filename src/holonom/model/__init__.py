@@ -3,7 +3,8 @@
 =====================  ==========================================================
 `ArmModel`             joints, bodies, base, tool, gravity
 `DHRow`                one row of a Denavit-Hartenberg table
-`preset`               the arms that come with Holonom
+`preset`               the arms that come with Holonom, listed in `PRESETS`
+`JOINT_KINDS`          revolute and prismatic
 `read_urdf`            a URDF file or text; `load_model` any of these by name or file
 =====================  ==========================================================
 """
@@ -21,11 +22,14 @@ from holonom.model.arm import (
     constant_transform,
 )
 from holonom.model.dh import DHRow, arm_model_from_dh, joint_from_dh
+from holonom.model.joint_kinds import JOINT_KINDS
 from holonom.model.load import load_model
-from holonom.model.presets import preset, preset_names
+from holonom.model.presets import PRESETS, preset, preset_names
 from holonom.model.urdf import read_urdf
 
 __all__ = [
+    "JOINT_KINDS",
+    "PRESETS",
     "ArmModel",
     "Body",
     "DHRow",

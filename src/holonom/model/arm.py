@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from holonom.errors import ModelError, UnknownName
+from holonom.model.joint_kinds import JOINT_KINDS
 
 __all__ = [
     "ArmModel",
@@ -20,12 +21,16 @@ __all__ = [
     "JointLimits",
     "Mimic",
     "Motor",
+    "Rotors",
     "constant_transform",
 ]
 
 Array = NDArray[np.float64]
 Transform = tuple[tuple[float, ...], ...]
 """A constant 4x4 pose as nested tuples, so that a model is hashable and its repr is complete."""
+
+Rotors = Literal["reflected", "full"]
+"""What of spinning rotors counts."""
 
 IDENTITY: Transform = ((1.0, 0.0, 0.0, 0.0), (0.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 
@@ -133,11 +138,12 @@ class Mimic:
 class Joint:
     """`T_pi(q) = before @ motion(q) @ after`; motion turns about or slides along z.
 
-    `parent` is the number of the joint whose frame carries this one, -1 for the base; None means the one before.
+    `kind` is a name of `JOINT_KINDS`. `parent` is the number of the joint whose frame carries this one, -1 for the
+    base; None means the one before.
     """
 
     name: str
-    kind: Literal["revolute", "prismatic"]
+    kind: str
     before: Transform = IDENTITY
     after: Transform = IDENTITY
     limits: JointLimits = JointLimits()
@@ -145,6 +151,10 @@ class Joint:
     friction: Friction | None = None
     parent: int | None = None
     mimic: Mimic | None = None
+
+    def __post_init__(self) -> None:
+        if self.kind not in JOINT_KINDS:
+            raise UnknownName(JOINT_KINDS.one, self.kind, JOINT_KINDS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,12 +188,12 @@ class ArmModel:
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
     poses: Mapping[str, tuple[float, ...]] = field(default_factory=dict, hash=False)
     card: str = ""
-    rotors: Literal["reflected", "full"] = "reflected"
+    rotors: Rotors = "reflected"
     links_include_rotors: bool = True
 
     def __post_init__(self) -> None:
-        if self.rotors not in ("reflected", "full"):
-            raise UnknownName("rotor model", str(self.rotors), ("reflected", "full"))
+        if self.rotors not in get_args(Rotors):
+            raise UnknownName("rotor model", str(self.rotors), get_args(Rotors))
         if not self.joints:
             raise ModelError(f"arm {self.name!r} has no joints")
         if self.bodies is not None and len(self.bodies) != len(self.joints):

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from holonom.errors import ModelError, UnknownName
 from holonom.model.arm import ArmModel, Body, Joint, JointLimits, Transform, constant_transform
+from holonom.model.joint_kinds import JOINT_KINDS
 
 __all__ = ["DHRow", "arm_model_from_dh", "joint_from_dh"]
 
@@ -26,14 +27,14 @@ class DHRow:
     alpha: float = 0.0
     d: float = 0.0
     theta: float = 0.0
-    kind: Literal["revolute", "prismatic"] = "revolute"
+    kind: str = "revolute"
 
     def __post_init__(self) -> None:
         for name in ("a", "alpha", "d", "theta"):
             if not math.isfinite(getattr(self, name)):
                 raise ModelError(f"DH parameter {name} is {getattr(self, name)}; a finite number is needed")
-        if self.kind not in ("revolute", "prismatic"):
-            raise UnknownName("joint kind", str(self.kind), ("revolute", "prismatic"))
+        if self.kind not in JOINT_KINDS:
+            raise UnknownName(JOINT_KINDS.one, str(self.kind), JOINT_KINDS)
 
 
 def _turn(axis: Literal["x", "z"], angle: float) -> NDArray[np.float64]:

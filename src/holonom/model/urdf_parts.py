@@ -5,7 +5,6 @@ from __future__ import annotations
 import difflib
 import math
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +45,7 @@ class UrdfJoint:
     """A joint between two links: `pose` is T_parent,joint at q = 0, `axis` a unit vector in the joint's frame."""
 
     name: str
-    kind: Literal["revolute", "continuous", "prismatic", "fixed"]
+    kind: str
     parent: str
     child: str
     pose: Array
@@ -99,7 +98,7 @@ def read_joint(element: Element) -> UrdfJoint:
     )
 
 
-def _kind(element: Element) -> Literal["revolute", "continuous", "prismatic", "fixed"]:
+def _kind(element: Element) -> str:
     kind = element.word("type")
     if kind in NOT_AN_ARM:
         raise fault(
@@ -107,9 +106,8 @@ def _kind(element: Element) -> Literal["revolute", "continuous", "prismatic", "f
             f"{element.called()} is {kind}; an arm's joints have one degree of freedom each. "
             "Make it fixed, or put prismatic and continuous joints in a row",
         )
-    for known in KINDS:
-        if kind == known:
-            return known  # type: ignore[return-value]
+    if kind in KINDS:
+        return kind
     close = difflib.get_close_matches(kind, KINDS, n=1)
     hint = f"; did you mean {close[0]!r}?" if close else ""
     raise fault(element, f"{element.called()} has the unknown type {kind!r}; there is {', '.join(KINDS)}{hint}")

@@ -5,6 +5,7 @@
 `World`                table, tray, parts and the gripper
 `BasePlant`            a mobile base on a `Floor` of `Material` with patches; `BaseFault` breaks its motors
 `BaseTruth`            what was true of it
+`PLANTS`, `SENSORS`    tables of what there is to simulate
 =====================  ===========================================================
 """
 
@@ -13,10 +14,13 @@ from holonom.sim.arm.world import Disc, Gripper, Surface, World
 from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch
 from holonom.sim.base.log import BaseTruth
 from holonom.sim.base.plant import BaseFault, BasePlant
+from holonom.sim.methods import PLANTS, SENSORS
 
 __all__ = [
     "CARPET",
     "ICE",
+    "PLANTS",
+    "SENSORS",
     "ArmPlant",
     "AxisDrive",
     "BaseFault",

@@ -5,7 +5,7 @@ The models are the schema: their field docstrings become the descriptions of the
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import AfterValidator, Field, Strict, ValidationInfo, field_validator
 
@@ -15,6 +15,7 @@ from holonom.app.cell_fields import (
     Count,
     File,
     Fraction,
+    OneOf,
     Pixel,
     Quantity,
     Section,
@@ -24,6 +25,7 @@ from holonom.app.cell_fields import (
 )
 from holonom.app.cell_tables import About, Placement
 from holonom.app.units import DIMENSIONS
+from holonom.control import CONTROLLERS
 from holonom.errors import CellError, OutOfLimits
 from holonom.model import preset
 
@@ -62,7 +64,7 @@ class ArmTable(Section):
     """pose of the arm's base in the world, its origin unless given"""
     home: tuple[Angle, ...]
     """joint angles at which a run starts"""
-    controllers: Annotated[tuple[Literal["cascade", "computed_torque"], ...], Field(min_length=1)]
+    controllers: Annotated[tuple[Annotated[str, OneOf(CONTROLLERS)], ...], Field(min_length=1)]
     """joint controllers; the program runs once under each, and the report compares them"""
 
     @field_validator("home")

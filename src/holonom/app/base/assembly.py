@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from holonom.app.base.cell_model import BaseCell, BaseTable, Patch
+from holonom.app.base.cell_model import FAULTS, BaseCell, BaseTable, Patch
 from holonom.app.toml_lines import place_of
 from holonom.closed_loop import BaseLog, simulate_base
 from holonom.devices import DcMotor, Encoder, Friction, Gear
@@ -19,8 +19,6 @@ from holonom.mobile.drive.base_drive import BaseDrive, BaseSensors
 from holonom.sim import BaseFault, Floor, Material, RectangularPatch, RoundPatch
 
 __all__ = ["BaseJob", "build_job", "simulate"]
-
-FAULT_KINDS = {"motor_dead": "dead", "motor_blocked": "blocked"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +137,7 @@ def _patch(patch: Patch, slip_at_peak: float) -> RoundPatch | RectangularPatch:
 
 def _path(cell: BaseCell) -> ReferencePath:
     path = cell.path
-    points = np.array(path.points) if path.points is not None else PATHS[path.shape](path.size or 0.0)
+    points = PATHS.make(path.shape, {field.name: getattr(path, field.name) for field in PATHS[path.shape].fields})
     limits = PathLimits(path.speed, path.acceleration)
     return plan_path(points + np.array(path.origin), limits, laps=path.laps, heading=path.heading, start=path.angle)
 
@@ -147,4 +145,4 @@ def _path(cell: BaseCell) -> ReferencePath:
 def _fault(time: float, wheel: str, kind: str, base: WheelBase) -> BaseFault:
     if wheel not in base.driven:
         raise UnknownName("driven wheel", wheel, base.driven)
-    return BaseFault(time, wheel, FAULT_KINDS[kind])
+    return BaseFault(time, wheel, FAULTS[kind])

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field, Strict, ValidationInfo, field_validator, model_validator
 
-from holonom.app.cell_fields import Angle, Count, Quantity, Section, Size, Text, Vector2
+from holonom.app.cell_fields import Angle, Count, OneOf, Quantity, Section, Size, Text, Vector2
 from holonom.app.cell_tables import About
 from holonom.errors import CellError, OutOfLimits, UnknownName
+from holonom.machine.base.paths import HEADINGS, PATHS
+from holonom.sim.base.plant import FAULTS as MOTOR_FAULTS
 
 __all__ = [
     "BaseCell",
@@ -24,12 +26,14 @@ __all__ = [
 
 ARRANGEMENTS = {"omni": ("angles", "radius"), "mecanum": ("wheelbase", "track")}
 """Arrangements of driven wheels, and the keys that each needs beside `wheel_radius`."""
+FAULTS = {f"motor_{name}": name for name in MOTOR_FAULTS}
+"""What a cell calls the faults of motors."""
 
 
 class BaseTable(Section):
     """The base and its wheels; x forwards, y to the left."""
 
-    arrangement: Literal["omni", "mecanum"]
+    arrangement: Annotated[str, OneOf(ARRANGEMENTS)]
     """how the wheels stand"""
     angles: Annotated[tuple[Angle, ...], Field(min_length=3)] | None = None
     """omni: where each motor axis points, counter-clockwise from x"""
@@ -150,7 +154,7 @@ class FloorTable(Section):
 class PathTable(Section):
     """The path that the base is to drive, from rest to rest."""
 
-    shape: Literal["figure_of_eight", "circle", "rounded_square", "waypoints"]
+    shape: Annotated[str, OneOf(PATHS)]
     """its form"""
     size: Size | None = None
     """its length; of waypoints none"""
@@ -164,16 +168,18 @@ class PathTable(Section):
     """greatest acceleration on it, along and across together"""
     laps: Count = 1
     """times around"""
-    heading: Literal["fixed", "tangent", "rotating"] = "fixed"
+    heading: Annotated[str, OneOf(HEADINGS)] = "fixed"
     """where the base looks: always the same way, along the path, or once around per lap"""
     angle: Angle = 0.0
     """its heading at the start; against the path where it looks along it"""
 
     @model_validator(mode="after")
     def _size_or_points(self) -> PathTable:
-        wanted, other = ("points", "size") if self.shape == "waypoints" else ("size", "points")
-        if getattr(self, wanted) is None or getattr(self, other) is not None:
-            raise CellError(f"shape {self.shape!r} takes {wanted} and no {other}")
+        wanted = {field.name for field in PATHS[self.shape].fields}
+        given = {name for name in ("points", "size") if getattr(self, name) is not None}
+        if given != wanted:
+            other = " and ".join(sorted({"points", "size"} - wanted))
+            raise CellError(f"shape {self.shape!r} takes {' and '.join(sorted(wanted))} and no {other}")
         return self
 
 
@@ -182,7 +188,7 @@ class Fault(Section):
 
     time: Annotated[float, Quantity("time", "0ms", "1440min")]
     """when"""
-    kind: Literal["motor_dead", "motor_blocked"]
+    kind: Annotated[str, OneOf(FAULTS)]
     """a motor without current, whose wheel turns freely, or one that is jammed"""
     wheel: Text
     """name of the driven wheel"""

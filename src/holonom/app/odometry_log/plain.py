@@ -35,12 +35,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from holonom.app.cell_fields import OneOf
 from holonom.app.odometry_log.checks import check_motion, check_time, part_names
 from holonom.app.odometry_log.log import OdometryLog
 from holonom.app.odometry_log.mcap_file import JOINTS, ODOMETRY, read_mcap_table
@@ -48,7 +49,7 @@ from holonom.app.odometry_log.table import Table, read_table, read_text
 from holonom.app.toml_faults import line_of, parse_toml, worded_faults
 from holonom.app.toml_lines import key_lines
 from holonom.errors import CalibrationError, LogError, OutOfLimits
-from holonom.mobile.calibration import Run, drive_parameters, wheels_of
+from holonom.mobile.calibration import DRIVES, Run, drive_parameters, wheels_of
 from holonom.mobile.odometry import angle_per_tick, count_differences
 
 __all__ = ["Description", "read_description", "read_plain"]
@@ -100,7 +101,7 @@ class McapNames(_Table):
 class Description(_Table):
     """The TOML file of a log."""
 
-    drive: Literal["differential", "tricycle", "omni3", "mecanum"]
+    drive: Annotated[str, OneOf(DRIVES)]
     """what was driven: differential, tricycle, omni3 or mecanum"""
     runs: list[str] = Field(min_length=1)
     """files of the runs beside this one, in quotes and brackets"""

@@ -10,21 +10,13 @@ from importlib.resources import files
 from pathlib import Path
 
 from holonom.app.recording import Recording
-from holonom.app.report.comparison import Comparison, comparison_html
-from holonom.app.report.curves import Curve, curves_html, joint_curves
+from holonom.app.report.comparison import Comparison
+from holonom.app.report.curves import Curve, joint_curves
 from holonom.app.report.embed import Blob, add_curves, add_frames, scene_json
-from holonom.app.report.figures import Figures, figures_html
+from holonom.app.report.figures import Figures
 from holonom.app.report.scene import Scene
-from holonom.app.report.sections import (
-    LimitUse,
-    Outcome,
-    PhotoOverlay,
-    events_html,
-    facts_html,
-    limits_html,
-    photo_html,
-    program_html,
-)
+from holonom.app.report.section_table import Content, sections_html
+from holonom.app.report.sections import LimitUse, Outcome, PhotoOverlay, facts_html, program_html
 from holonom.errors import OutputError
 
 __all__ = ["write_report"]
@@ -91,12 +83,7 @@ def write_report(
         "facts": facts_html(facts or {}),
         "program": program_html(program),
         "tool": escape(scene.tool.replace("_", " ")),
-        "curves": curves_html(shown),
-        "figures": "".join(figures_html(group) for group in figures),
-        "comparison": comparison_html(comparison),
-        "photograph": photo_html(photograph),
-        "limits": limits_html(recording.joint_names, limits),
-        "events": events_html(recording.events),
+        "sections": sections_html(Content(recording, shown, figures, limits, photograph, comparison)),
         "licences": escape(_asset("VERSIONS") + "\n" + _asset("LICENSE.three") + "\n" + _asset("LICENSE.uplot")),
         "style": _asset("uplot.min.css") + _asset("report.css"),
         "vendor": _inline(_asset("vendor.min.js")),

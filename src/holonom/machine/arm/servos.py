@@ -9,7 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.control import (
+    CONTROLLERS,
     AxisLimits,
+    CascadeSettings,
+    ComputedTorqueSettings,
     SampleTimes,
     ServoAxis,
     Violation,
@@ -19,7 +22,7 @@ from holonom.control import (
 )
 from holonom.devices import DcMotor, Encoder, Friction, tracking_params
 from holonom.devices.drive_signals import JointSignals
-from holonom.errors import DriveFault, ModelError, UnknownName
+from holonom.errors import DriveFault, ModelError
 from holonom.machine.arm.kernels import CASCADE, COMPUTED_TORQUE
 from holonom.machine.arm.records import SERVO, SERVO_STATE, Servo, ServoTiming
 from holonom.machine.levels import Levels
@@ -27,11 +30,12 @@ from holonom.mechanics import Arm
 from holonom.model import ArmModel, Joint
 from holonom.trace.records import record_table
 
-__all__ = ["CONTROLLERS", "STEP", "ArmServos", "ControlSettings", "check_drives", "joint_friction", "joint_motor"]
+__all__ = ["STEP", "ArmServos", "ControlSettings", "check_drives", "joint_friction", "joint_motor"]
 
 Array = NDArray[np.float64]
 
-CONTROLLERS = {"cascade": CASCADE, "computed_torque": COMPUTED_TORQUE}
+LAWS = {CascadeSettings: CASCADE, ComputedTorqueSettings: COMPUTED_TORQUE}
+"""Compiled laws, by the settings of the controllers that they are of."""
 STEP = 1e-4
 """Step of the current loop, s."""
 SPEED_TICK = 5
@@ -48,14 +52,14 @@ class ControlSettings:
     """
 
     controller: str = "cascade"
-    law_bandwidth: float = 50.0
+    law_bandwidth: float = ComputedTorqueSettings().law_bandwidth
     following_error: float = 0.1
     trip_margin: float = 0.25
     levels: Levels = field(default_factory=Levels)
 
     def __post_init__(self) -> None:
-        if self.controller not in CONTROLLERS:
-            raise UnknownName("controller", self.controller, CONTROLLERS)
+        if CONTROLLERS[self.controller].record not in LAWS:
+            raise ModelError(f"controller {self.controller!r} cannot run: no compiled law is of its settings")
 
 
 class ArmServos:
@@ -78,7 +82,7 @@ class ArmServos:
 
     def __init__(self, arm: Arm, q: ArrayLike, settings: ControlSettings = ControlSettings()) -> None:
         self.arm, self.settings = arm, settings
-        self.mode = CONTROLLERS[settings.controller]
+        self.mode = LAWS[CONTROLLERS[settings.controller].record]
         self.timing = _timing(settings.levels)
         self.model = arm.kernel("inverse_dynamics")
         self.limits = [_axis_limits(joint, settings) for joint in arm.model.joints]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import uniform_filter1d
 
-from holonom.errors import OutOfLimits, ShapeError, UnknownName
+from holonom.errors import OutOfLimits, ShapeError
+from holonom.registry import OWN, Method, Table, parameter
 
 __all__ = [
     "HEADINGS",
@@ -97,14 +98,6 @@ def rounded_square(size: float) -> Array:
     return np.stack([r * c, r * s + 0.5 * size], axis=1)
 
 
-PATHS: Mapping[str, Callable[[float], Array]] = {
-    "circle": circle,
-    "figure_of_eight": figure_of_eight,
-    "rounded_square": rounded_square,
-}
-"""Closed curves by name, each of a size in m."""
-
-
 def waypoints(points: ArrayLike, *, closed: bool = False) -> Array:
     """Return way points (k, 2), m, as a curve's points; a closed one ends at its first.
 
@@ -122,6 +115,46 @@ def waypoints(points: ArrayLike, *, closed: bool = False) -> Array:
     if len(same):
         raise ShapeError(f"way points {same[0]} and {same[0] + 1} are the same; leave one out")
     return p
+
+
+@dataclass(frozen=True, slots=True)
+class ClosedCurve:
+    """A closed curve of a size."""
+
+    size: float = parameter(meaning="its length", unit="m", above=0.0, example=2.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Waypoints:
+    """Places in their order; closed where the last is the first."""
+
+    points: tuple[tuple[float, float], ...] = parameter(
+        meaning="x and y of each", unit="m", example=((0.0, 0.0), (1.0, 0.0))
+    )
+
+
+_CURVES = "Lawrence, A Catalog of Special Plane Curves"
+_SPLINES = "de Boor, A Practical Guide to Splines"
+
+PATHS = Table(
+    "paths",
+    "shape of a path",
+    "its points (k, 2), m",
+    {
+        "circle": Method("through the origin, counter-clockwise", lambda p: circle(p.size), _CURVES, ClosedCurve),
+        "figure_of_eight": Method(
+            "Gerono's lemniscate, half as wide as long", lambda p: figure_of_eight(p.size), _CURVES, ClosedCurve
+        ),
+        "rounded_square": Method(
+            "a superellipse of order 4, from the middle of its lower side",
+            lambda p: rounded_square(p.size),
+            _CURVES,
+            ClosedCurve,
+        ),
+        "waypoints": Method("a cubic spline through places", lambda p: waypoints(p.points), _SPLINES, Waypoints),
+    },
+)
+"""What a base may drive along."""
 
 
 def plan_path(
@@ -162,8 +195,7 @@ def plan_path(
     The speed is the largest under `hypot(dv/dt, v^2 kappa) <= acceleration` (forward and backward pass over the
     curvature), then smoothed in time twice over the rise time, so that the acceleration has no jumps.
     """
-    if heading not in HEADINGS:
-        raise UnknownName("heading", heading, HEADINGS)
+    turned: Heading = HEADINGS.make(heading)
     p = waypoints(points)
     closed = bool(np.allclose(p[0], p[-1]))
     if laps < 1 or (laps > 1 and not closed):
@@ -173,7 +205,7 @@ def plan_path(
     s = np.linspace(0.0, laps * length, GRID * laps + 1)
     v = _speed_profile(s, _curvature(curve, s, length), limits)
     distance, speed, gain = _in_time(s, v, limits.rise_time, rest)
-    angle = HEADINGS[heading](curve, distance, length, start, turns)
+    angle = turned(curve, distance, length, start, turns)
     return _reference(curve, length, distance, speed, gain, angle)
 
 
@@ -255,11 +287,18 @@ def _rotating(curve: CubicSpline, s: Array, length: float, start: float, turns: 
     return np.stack([start + rate * s, np.full_like(s, rate), np.zeros_like(s)])
 
 
-HEADINGS: Mapping[str, Callable[[CubicSpline, Array, float, float, float], Array]] = {
-    "fixed": _fixed,
-    "tangent": _tangent,
-    "rotating": _rotating,
-}
+Heading = Callable[[CubicSpline, Array, float, float, float], Array]
+
+HEADINGS = Table(
+    "headings",
+    "heading",
+    "a function of the curve: heading, its rate over the way, and that rate's change in time, (3, N)",
+    {
+        "fixed": Method("the same all the way", lambda _: _fixed, OWN),
+        "tangent": Method("along the path", lambda _: _tangent, OWN),
+        "rotating": Method("turning evenly over the way", lambda _: _rotating, OWN),
+    },
+)
 """Heading (rad), its rate over the way (rad/m) and that rate's change in time (rad/m/s): (3, N)."""
 
 

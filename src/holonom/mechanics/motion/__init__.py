@@ -11,6 +11,7 @@
 ``transfer``      `plan_transfer`: least time between moving states, jerk limited too
 ``blend``         `blend`, `splice`: the next segment starts while the last one brakes
 ``stop``          `stop`: a controlled stop on the path
+``methods``       `PLANNERS`, the table of the planners
 ================  =====================================================================
 """
 
@@ -18,6 +19,7 @@ from holonom.mechanics.motion.blend import blend, splice
 from holonom.mechanics.motion.joint import plan_joint
 from holonom.mechanics.motion.joint_path import JointPath, joint_spline
 from holonom.mechanics.motion.line import plan_line
+from holonom.mechanics.motion.methods import PLANNERS
 from holonom.mechanics.motion.path import ArcAbout, ArcTo, LineTo, Segment, SplineTo, plan_path
 from holonom.mechanics.motion.profile import (
     PROFILES,
@@ -36,6 +38,7 @@ from holonom.mechanics.motion.trajectory import JointLimits, Trajectory
 from holonom.mechanics.motion.transfer import plan_transfer
 
 __all__ = [
+    "PLANNERS",
     "PROFILES",
     "ArcAbout",
     "ArcTo",

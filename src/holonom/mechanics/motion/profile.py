@@ -1,21 +1,21 @@
 """Scalar time laws s(t) from 0 to 1, at rest at both ends, in the least time that their family allows.
 
 A law rises to its top speed over a ramp, cruises, and falls again as the mirror image of the rise. The rise
-is a polynomial of the ramp's fraction x; a new family is one more line in `PROFILES`.
+is a polynomial of the ramp's fraction x; a new family is one more line in the table `PROFILES`.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from math import ceil, inf, isfinite, sqrt
-from types import MappingProxyType
 from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyint, polyval
 from numpy.typing import ArrayLike, NDArray
 
-from holonom.errors import OutOfLimits, UnknownName
+from holonom.errors import OutOfLimits
+from holonom.registry import Method, Table
 
 __all__ = ["PROFILES", "GridSamples", "Law", "LawSamples", "Rise", "on_grid", "sample", "time_law"]
 
@@ -48,13 +48,21 @@ class Rise:
         return sum(c / (k + 1) for k, c in enumerate(self.speed))
 
 
-PROFILES: Final = MappingProxyType(
+_TRAPEZOID = Rise(speed=(0.0, 1.0), slope=1.0, curvature=inf, cruises=True)
+_SCURVE = Rise(speed=(0.0, 0.0, 3.0, -2.0), slope=1.5, curvature=6.0, cruises=True)
+# s = 10 u^3 - 15 u^4 + 6 u^5 over the whole time; its speed up to u = 1/2 is (x (2 - x))^2, x = 2 u.
+_QUINTIC = Rise(speed=(0.0, 0.0, 4.0, -4.0, 1.0), slope=8 / sqrt(27), curvature=8.0, cruises=False)
+_BOOK = "Biagiotti, Melchiorri, Trajectory Planning for Automatic Machines and Robots, ch. 2, 3"
+
+PROFILES: Final = Table(
+    "profiles",
+    "motion profile",
+    "its `Rise`",
     {
-        "trapezoid": Rise(speed=(0.0, 1.0), slope=1.0, curvature=inf, cruises=True),
-        "scurve": Rise(speed=(0.0, 0.0, 3.0, -2.0), slope=1.5, curvature=6.0, cruises=True),
-        # s = 10 u^3 - 15 u^4 + 6 u^5 over the whole time; its speed up to u = 1/2 is (x (2 - x))^2, x = 2 u.
-        "quintic": Rise(speed=(0.0, 0.0, 4.0, -4.0, 1.0), slope=8 / sqrt(27), curvature=8.0, cruises=False),
-    }
+        "trapezoid": Method("constant acceleration, cruise, constant braking", lambda _: _TRAPEZOID, _BOOK),
+        "scurve": Method("speed rises along a cubic; jerk limited", lambda _: _SCURVE, _BOOK),
+        "quintic": Method("one polynomial of degree 5 for the whole way", lambda _: _QUINTIC, _BOOK),
+    },
 )
 
 
@@ -123,9 +131,7 @@ def time_law(
     The ramp to speed v takes ``max(slope v / a, sqrt(curvature v / j))``; the duration falls with v as long
     as both ramps fit into the distance, so the fastest law has the largest v that fits.
     """
-    if profile not in PROFILES:
-        raise UnknownName("motion profile", profile, PROFILES)
-    rise = PROFILES[profile]
+    rise: Rise = PROFILES.make(profile)
     _check(distance, speed, acceleration, jerk, profile)
     if distance == 0.0:
         return Law(rise, 0.0, 0.0)
@@ -186,6 +192,6 @@ def _check(distance: float, speed: float, acceleration: float, jerk: float, prof
         raise OutOfLimits(f"acceleration limit {acceleration}: give a positive, finite one")
     if not jerk > 0.0:
         raise OutOfLimits(f"jerk limit {jerk}: give a positive one, or infinity for none")
-    if isfinite(jerk) and not isfinite(PROFILES[profile].curvature):
-        smooth = ", ".join(name for name, rise in PROFILES.items() if isfinite(rise.curvature))
+    if isfinite(jerk) and not isfinite(PROFILES.make(profile).curvature):
+        smooth = ", ".join(name for name in PROFILES if isfinite(PROFILES.make(name).curvature))
         raise OutOfLimits(f"profile {profile!r} cannot keep a jerk limit of {jerk}; use {smooth}")

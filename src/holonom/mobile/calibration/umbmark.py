@@ -16,7 +16,8 @@ __all__ = ["FORMS", "UMBmark", "umbmark"]
 
 Array = NDArray[np.float64]
 
-FORMS = ("x", "y", "mean")
+FORMS = {"x": (1.0, 0.0), "y": (0.0, 1.0), "mean": (0.5, 0.5)}
+"""Forms of the method: the weights of the angles by the errors along x and along y."""
 FEW = 5  # runs each way that Borenstein & Feng ask for
 
 
@@ -148,7 +149,8 @@ def _angles(means: Array, side: float, form: str) -> tuple[float, float]:
     (x_cw, y_cw), (x_ccw, y_ccw) = means
     by_x = np.array([x_cw + x_ccw, x_cw - x_ccw]) / (-4.0 * side)
     by_y = np.array([y_cw - y_ccw, y_cw + y_ccw]) / (-4.0 * side)
-    alpha, beta = {"x": by_x, "y": by_y, "mean": 0.5 * (by_x + by_y)}[form]
+    of_x, of_y = FORMS[form]
+    alpha, beta = of_x * by_x + of_y * by_y
     return float(alpha), float(beta)
 
 

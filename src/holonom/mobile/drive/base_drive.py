@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.devices import DcMotor, Encoder, Friction, Gear
+from holonom.devices import Accelerometer, CurrentShunt, DcMotor, Encoder, Friction, Gear, Gyro
 from holonom.errors import ModelError
 from holonom.mobile.base import WheelBase
 
@@ -71,11 +71,11 @@ class BaseSensors:
         Standard deviation of a shunt's sample, A.
     """
 
-    gyro_noise: float = 2e-3
-    gyro_bias: float = 2e-4
-    accelerometer_noise: float = 0.05
-    accelerometer_bias: float = 0.02
-    current_noise: float = 0.03
+    gyro_noise: float = Gyro().noise
+    gyro_bias: float = Gyro().bias
+    accelerometer_noise: float = Accelerometer().noise
+    accelerometer_bias: float = Accelerometer().bias
+    current_noise: float = CurrentShunt().noise
 
 
 def base_mass(base: WheelBase) -> float:

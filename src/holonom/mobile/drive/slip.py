@@ -6,12 +6,13 @@ import itertools
 import math
 from dataclasses import dataclass
 from enum import IntEnum
+from math import inf
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
-from holonom.errors import ModelError, OutOfLimits, ShapeError
+from holonom.errors import ModelError, ShapeError
 from holonom.mobile.base import WheelBase
 from holonom.mobile.drive.coupling import Coupling, coupling_of
 from holonom.mobile.drive.slip_kernels import (
@@ -25,6 +26,7 @@ from holonom.mobile.drive.slip_kernels import (
     slip_samples,
     slip_start,
 )
+from holonom.registry import check_fields, parameter
 
 __all__ = ["SlipReport", "SlipSettings", "SlipStatus", "detect_slip", "separable_wheels", "slip_params"]
 
@@ -46,59 +48,44 @@ class SlipStatus(IntEnum):
 class SlipSettings:
     """How noisy the sources are and how sure a finding must be.
 
-    Attributes
-    ----------
-    noise
-        Standard deviation of a sample of rim speed, m/s: one number, or one per wheel (n,).
-    dt
-        Time between samples, s.
-    rate_noise, rate_bias
-        Gyro: standard deviation of a sample, and how far its zero may be off, rad/s.
-    max_acceleration, max_angular_acceleration
-        What the base can do, m/s2 and rad/s2; infinite: the last velocity tells nothing.
-    acceleration_error, angular_acceleration_error
-        How far an acceleration that is handed in (motor currents, accelerometers) may be off, m/s2 and rad/s2.
-    false_alarm
-        Probability that noise alone carries one sample over a bound.
-    persistence
-        How long slip must last before it is raised, s.
-    confirmation
-        How long all samples must name the same wheel before it is named, s; within the persistence.
-    most
-        Wheels that may slip at once. With 1 two wheels are considered only where no single one explains the speeds;
-        with 2 a single one is named only if no two others explain them, so that five wheels alone name none (four
-        wheels never tell two from one).
+    With at most one slipping wheel two are considered only where no single one explains the speeds; with two a single
+    one is named only if no two others explain them, so that five wheels alone name none (four wheels never tell two
+    from one). An acceleration error is that of one that is handed in (motor currents, accelerometers).
 
     Raises
     ------
     OutOfLimits
     """
 
-    noise: float | tuple[float, ...] = 0.02
-    dt: float = 1e-3
-    rate_noise: float = 0.01
-    rate_bias: float = 0.02
-    max_acceleration: float = math.inf
-    max_angular_acceleration: float = math.inf
-    acceleration_error: float = math.inf
-    angular_acceleration_error: float = math.inf
-    false_alarm: float = 1e-4
-    persistence: float = 0.010
-    confirmation: float = 0.005
-    most: int = 1
+    noise: float | tuple[float, ...] = parameter(
+        0.02, meaning="standard deviation of a sample of rim speed, one or one per wheel", unit="m/s", above=0.0
+    )
+    dt: float = parameter(1e-3, meaning="time between samples", unit="s", above=0.0)
+    rate_noise: float = parameter(
+        0.01, meaning="standard deviation of a sample of the gyro", unit="rad/s", least=0.0, most=inf
+    )
+    rate_bias: float = parameter(0.02, meaning="how far its zero may be off", unit="rad/s", least=0.0, most=inf)
+    max_acceleration: float = parameter(
+        inf, meaning="of the base; infinite: the last velocity tells nothing", unit="m/s2", above=0.0, most=inf
+    )
+    max_angular_acceleration: float = parameter(inf, meaning="the same", unit="rad/s2", above=0.0, most=inf)
+    acceleration_error: float = parameter(
+        inf, meaning="how far an acceleration may be off", unit="m/s2", least=0.0, most=inf
+    )
+    angular_acceleration_error: float = parameter(
+        inf, meaning="how far an angular acceleration may be off", unit="rad/s2", least=0.0, most=inf
+    )
+    false_alarm: float = parameter(
+        1e-4, meaning="probability that noise alone carries a sample over a bound", above=0.0, below=0.5
+    )
+    persistence: float = parameter(0.010, meaning="how long slip lasts before it is raised", unit="s", above=0.0)
+    confirmation: float = parameter(
+        0.005, meaning="how long all samples name one wheel before it is named", unit="s", above=0.0
+    )
+    most: int = parameter(1, meaning="wheels that may slip at once", least=1, most=2)
 
     def __post_init__(self) -> None:
-        for name in ("dt", "max_acceleration", "max_angular_acceleration", "persistence", "confirmation"):
-            _positive(name, getattr(self, name))
-        for name in ("rate_noise", "rate_bias", "acceleration_error", "angular_acceleration_error"):
-            if not getattr(self, name) >= 0.0:
-                raise OutOfLimits(f"SlipSettings: {name} is {getattr(self, name)!r}; it must be 0 or more")
-        if not 0.0 < self.false_alarm < 0.5:
-            raise OutOfLimits(f"SlipSettings: false_alarm is {self.false_alarm!r}; it must be a probability below 0.5")
-        if self.most not in (1, 2):
-            raise OutOfLimits(f"SlipSettings: most is {self.most!r}; it must be 1 or 2 wheels")
-        for noise in np.atleast_1d(self.noise):
-            _positive("noise", float(noise))
+        check_fields(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -320,8 +307,3 @@ def _finite(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
         row = int(np.argwhere(~np.isfinite(array))[0][0])
         raise ShapeError(f"{name} holds {array[row]} at sample {row}; all must be finite numbers")
     return array
-
-
-def _positive(name: str, value: float) -> None:
-    if not value > 0.0:
-        raise OutOfLimits(f"SlipSettings: {name} is {value!r}; it must be above 0")

@@ -7,8 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from holonom.errors import OutOfLimits, ShapeError, UnknownName
+from holonom.errors import OutOfLimits, ShapeError
 from holonom.mobile.odometry.kernels import all_finite, integrate_into
+from holonom.registry import Method, Table
 
 __all__ = [
     "RULES",
@@ -30,11 +31,18 @@ class Rule(NamedTuple):
     exact: bool
 
 
-RULES = {
-    "turn_then_drive": Rule(1.0, False),
-    "midpoint": Rule(0.5, False),
-    "exact": Rule(0.5, True),
-}
+_BOOK = "Siegwart, Nourbakhsh, Introduction to Autonomous Mobile Robots, 5.2.4; specification 6.3"
+
+RULES = Table(
+    "odometry_rules",
+    "integration rule",
+    "its `Rule`",
+    {
+        "turn_then_drive": Method("the whole turn of a step first, then its way", lambda _: Rule(1.0, False), _BOOK),
+        "midpoint": Method("half the turn, the way, the other half: second order", lambda _: Rule(0.5, False), _BOOK),
+        "exact": Method("the arc of a constant twist", lambda _: Rule(0.5, True), _BOOK),
+    },
+)
 """Integration rules by name. With an increment (dx, dy, dtheta) and the heading theta before it, the base moves along
 
 - `turn_then_drive`: (dx, dy) turned by theta + dtheta;
@@ -50,9 +58,8 @@ def rule_named(name: str) -> Rule:
     ------
     UnknownName
     """
-    if name not in RULES:
-        raise UnknownName("integration rule", name, RULES)
-    return RULES[name]
+    found: Rule = RULES.make(name)
+    return found
 
 
 def metres_per_tick(diameter: float, ticks: float, gear: float = 1.0) -> float:

@@ -1,0 +1,26 @@
+"""The commands: one file each, with its options, its one line of help and `run(options) -> Answer`; one line here.
+
+A command of two words is `group subject`. A module is imported when its command is used, so it imports what is heavy
+in `run`.
+"""
+
+from __future__ import annotations
+
+from holonom.registry import Table
+
+__all__ = ["COMMANDS"]
+
+COMMANDS = Table(
+    "commands",
+    "command",
+    "an `Answer`; `params` are its options",
+    {
+        "run": "holonom.app.commands.run:COMMAND",
+        "check": "holonom.app.commands.check:COMMAND",
+        "calibrate dynamics": "holonom.app.commands.calibrate_dynamics:COMMAND",
+        "calibrate odometry": "holonom.app.commands.calibrate_odometry:COMMAND",
+        "methods": "holonom.app.commands.methods:COMMAND",
+        "bench": "holonom.app.commands.bench:COMMAND",
+        "doctor": "holonom.app.commands.doctor:COMMAND",
+    },
+)

@@ -1,0 +1,29 @@
+"""`holonom check`: what is wrong with a cell or a program, off-line."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from holonom.app.answer import Answer
+from holonom.app.options import argument
+from holonom.registry import OWN, Method
+
+__all__ = ["COMMAND", "Options", "run"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """What is checked."""
+
+    file: Path = argument("cell file (.toml) or program (.arps)", metavar="FILE")
+
+
+def run(options: Options) -> Answer:
+    """Check a file; raises as `check_file` does."""
+    from holonom.app.check import check_file
+
+    return check_file(options.file)
+
+
+COMMAND = Method("check a cell or an ARPS program off-line, without running it", run, OWN, Options)

@@ -1,0 +1,35 @@
+"""`holonom run`: simulate a cell, record, report."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from holonom.app.answer import Answer
+from holonom.app.options import argument, output, quiet, seed
+from holonom.registry import OWN, Method
+
+__all__ = ["COMMAND", "Options", "run"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """What is run, and where its records go."""
+
+    cell: Path = argument("cell file (TOML)", metavar="CELL")
+    output: Path | None = output(
+        "recording, summary and report go here (runs/ and the name of the cell's folder unless given)"
+    )
+    seed: int | None = seed(None, "seed instead of the cell's own")
+    quiet: bool = quiet()
+
+
+def run(options: Options) -> Answer:
+    """Run a cell; raises as `run_cell` does."""
+    from holonom.app.run import run_cell
+
+    folder = options.output or Path("runs") / options.cell.resolve().parent.name
+    return run_cell(options.cell, folder, seed=options.seed, quiet=options.quiet)
+
+
+COMMAND = Method("run a cell: simulate, record, report", run, OWN, Options)
