@@ -18,7 +18,8 @@ HolonomError
     ├── MotionError           a motion that cannot be made: out of reach, limits, singular
     ├── ProgramFault          a run-time error of an ARPS program, with its line
     │   └── RunawayProgram    a loop that neither moves nor waits
-    └── DriveFault            a following error, an encoder or a drive fault
+    ├── DriveFault            a following error, an encoder or a drive fault
+    └── OutputFault           a disk that is full, or gone, while a run writes
 """
 
 from __future__ import annotations
@@ -40,6 +41,7 @@ __all__ = [
     "NotAPose",
     "OutOfLimits",
     "OutputError",
+    "OutputFault",
     "ProgramError",
     "ProgramFault",
     "RunError",
@@ -129,3 +131,7 @@ class RunawayProgram(ProgramFault):
 
 class DriveFault(RunError):
     """A servo axis that had to stop: following error, encoder or drive fault."""
+
+
+class OutputFault(RunError):
+    """A disk that is full, or gone, while a run writes; what was written until then is kept."""

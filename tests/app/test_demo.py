@@ -119,7 +119,7 @@ def test_the_recording_is_one_of_ros(folder: Path) -> None:
         summary = reader.get_summary()
         counts = {summary.channels[k].topic: n for k, n in summary.statistics.channel_message_counts.items()}
         seconds = summary.statistics.message_end_time / 1e9
-        for topic in ("/joint_states", "/joint_reference", "/tf", "/tool_pose"):
+        for topic in ("/joint_states", "/commanded/joint_states", "/truth/tf", "/truth/tool_pose"):
             assert counts[topic] >= 100 * seconds, topic
         assert counts["/rosout"] > 24
         window: dict[str, list[Any]] = {}
@@ -127,7 +127,7 @@ def test_the_recording_is_one_of_ros(folder: Path) -> None:
             if 20e9 <= message.log_time < 21e9:
                 decode = factory.decoder_for(channel.message_encoding, schema)
                 window.setdefault(channel.topic, []).append(decode(message.data))
-    assert set(window) >= {"/joint_states", "/tf", "/tool_pose", "/rosout"}
+    assert set(window) >= {"/joint_states", "/truth/tf", "/truth/tool_pose", "/rosout"}
     assert [len(window[topic]) for topic in ("/joint_states", "/tf")] == [100, 100]
     assert window["/joint_states"][0].name[0] == "waist"
     names = {transform.child_frame_id for transform in window["/tf"][0].transforms}
