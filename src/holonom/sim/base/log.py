@@ -37,6 +37,10 @@ class BaseLog:
         (N, 3) as asked for at that time.
     rate
         (N,) part of the path's speed at which it is driven; below 1 once motors are lost that it would need.
+    wheel_angles
+        (N, m) of the wheels since the start, rad, true.
+    counts
+        (N, m) of their encoders since the start.
     wheel_speeds, measured_speeds, reference_speeds
         (N, m) of the wheels, rad/s: true, by the encoders' observers, commanded.
     currents, measured_currents, voltages
@@ -73,6 +77,8 @@ class BaseLog:
     reference_pose: Array
     reference_twist: Array
     rate: Array
+    wheel_angles: Array
+    counts: NDArray[np.int64]
     wheel_speeds: Array
     measured_speeds: Array
     reference_speeds: Array
@@ -155,6 +161,8 @@ def log_of(
         reference_pose=groups["reference_pose"],
         reference_twist=groups["reference_twist"],
         rate=groups["rate"][:, 0],
+        wheel_angles=of_wheels["angle"],
+        counts=of_wheels["count"],
         wheel_speeds=of_wheels["speed"],
         measured_speeds=of_wheels["measured_speed"],
         reference_speeds=of_wheels["reference_speed"],

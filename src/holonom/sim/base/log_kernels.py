@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from holonom.trace.simd import packed
+from holonom.trace.simd import WIDTH, packed
 
 __all__ = ["log_body", "log_reference", "log_wheels"]
 
@@ -43,10 +43,12 @@ def log_body(base: Any, gyro: float, imu_x: float, imu_y: float, row: Any) -> No
 
 @njit(cache=True, error_model="numpy", forceinline=True)
 def log_wheels(wheels: Records, states: Records, rows: Records) -> None:
-    """Log all wheels, four in each row: motor, forces on the floor, slip."""
+    """Log all wheels, four in each row: encoder, motor, forces on the floor, slip."""
     for i in range(len(wheels)):
         wheel, own, row = packed(wheels[i]), packed(states[i]), packed(rows[i])
-        row.speed = own.speed
+        row.angle, row.speed = own.angle, own.speed
+        for lane in range(WIDTH):
+            rows[i].count[lane] = states[i].count[lane]
         row.measured_speed = own.seen_speed / wheel.gear.ratio
         row.current, row.measured_current, row.voltage = own.current, own.measured_current, own.voltage
         row.force, row.cross_force, row.load, row.slip = own.along, own.across, own.load, own.slip

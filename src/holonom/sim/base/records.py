@@ -198,20 +198,24 @@ BODY_STATE = _padded(
 
 WHEEL_SAMPLE = np.dtype(
     [
-        (name, F, (WIDTH,))
-        for name in (
-            "speed",
-            "measured_speed",
-            "reference_speed",
-            "current",
-            "measured_current",
-            "voltage",
-            "force",
-            "cross_force",
-            "load",
-            "slip",
-            "friction_limit",
-        )
+        ("count", np.int64, (WIDTH,)),
+        *(
+            (name, F, (WIDTH,))
+            for name in (
+                "angle",
+                "speed",
+                "measured_speed",
+                "reference_speed",
+                "current",
+                "measured_current",
+                "voltage",
+                "force",
+                "cross_force",
+                "load",
+                "slip",
+                "friction_limit",
+            )
+        ),
     ]
 )
 """Four wheels at one millisecond."""
