@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from holonom.app.recording.cdr import CdrReader, CdrWriter, Layout
+from holonom.app.recording.kernels import fill_pose_rows
 from holonom.signals import Event
 
 __all__ = [
@@ -119,8 +119,7 @@ def pose_layout(frame: str = WORLD) -> Layout:
 def pose_rows(poses: Array) -> Array:
     """Rows (k, 7), x y z and quaternion x y z w, of poses (k, 4, 4)."""
     rows = np.empty((len(poses), 7))
-    rows[:, :3] = poses[:, :3, 3]
-    rows[:, 3:] = Rotation.from_matrix(poses[:, :3, :3]).as_quat(canonical=True)
+    fill_pose_rows(np.ascontiguousarray(poses, dtype=np.float64), rows)
     return rows
 
 
