@@ -1,7 +1,7 @@
 """The plain format: a TOML file that says what was driven, and a CSV or MCAP file for each run.
 
 ```toml
-drive = "differential"            # differential, tricycle, omni3 or mecanum
+drive = "differential"            # differential, tricycle, omni3, mecanum, omni3_any to omni6_any
 runs = ["run-1.csv", "run-2.csv"] # beside this file; .csv, .csv.gz or .mcap
 side = 1.7                        # of the square, m; for UMBmark, else leave it out
 
@@ -100,8 +100,8 @@ class McapNames(_Table):
 class Description(_Table):
     """The TOML file of a log."""
 
-    drive: Literal["differential", "tricycle", "omni3", "mecanum"]
-    """what was driven: differential, tricycle, omni3 or mecanum"""
+    drive: Literal["differential", "tricycle", "omni3", "mecanum", "omni3_any", "omni4_any", "omni5_any", "omni6_any"]
+    """what was driven: differential, tricycle, omni3, mecanum, or omni3_any to omni6_any"""
     runs: list[str] = Field(min_length=1)
     """files of the runs beside this one, in quotes and brackets"""
     side: float | None = Field(default=None, gt=0.0, allow_inf_nan=False)
