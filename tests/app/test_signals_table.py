@@ -8,10 +8,22 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mcap.reader import make_reader
+from mcap.writer import Writer
 from mcap_ros2.decoder import DecoderFactory
+from scipy.spatial.transform import Rotation
 
 from holonom import signals
 from holonom.app.recording import Recorder, read_recording, topics_table
+from holonom.app.recording.messages import (
+    JointMessage,
+    array_layout,
+    joint_layout,
+    odometry_layout,
+    odometry_values,
+    pose_layout,
+    pose_rows,
+    transform_layout,
+)
 from holonom.errors import OutOfLimits, UnknownName
 from holonom.signals import (
     TOPICS,
@@ -145,10 +157,72 @@ def test_two_robots_in_one_file(tmp_path: Path) -> None:
     assert other.joints.position[:, 0].tolist() == [0.0, -1.0, -2.0]
     assert set(left.frames) == {"tool", "right/tool"}
     assert left.events[0].source == "program"
-    assert (len(left.signals), other.signals) == (0, (Signal(0.2, 3, True),))
+    assert (len(left.signals), other.signals[1:]) == (0, (Signal(0.2, 3, True),))
     assert len(other.tool.time) == 3
     with pytest.raises(UnknownName, match="middle"):
         read_recording(path, robot="middle")
     for name in ("truth", "a/b", "a.b", "signals"):
         with pytest.raises(OutOfLimits, match="a robot is called"):
             Recorder(tmp_path / "s.mcap", robot=name)
+
+
+def test_a_signal_states_its_value_from_the_start(tmp_path: Path) -> None:
+    still = np.zeros(1)
+    with Recorder(tmp_path / "r.mcap", ("a",)) as recorder:
+        recorder.put(JointState(0.5, still, still, still))
+        for record in (Signal(0.5, 1, False), Signal(2.0, 1, True), Signal(3.0, 2, True), Signal(4.0, 2, False)):
+            recorder.put(record)
+    read = read_recording(tmp_path / "r.mcap").signals
+    assert [(s.time, s.on) for s in read if s.number == 1] == [(0.5, False), (2.0, True)]
+    assert [(s.time, s.on) for s in read if s.number == 2] == [(0.5, False), (3.0, True), (4.0, False)]
+
+
+def write_old(path: Path) -> None:
+    """A recording as it was before channels said what they are."""
+    joints, numbers = joint_layout(JointMessage(("a",), 2)), array_layout(1)
+    frames, odometry = transform_layout([("world", "tool")]), odometry_layout()
+    pose = np.array([1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0])
+    place = odometry_values(np.array([1.0, 2.0, 0.5]), np.zeros(3), np.zeros((3, 3)))
+    messages = {
+        "/joint_reference": ("sensor_msgs/JointState", joints.pack(0, np.array([0.1, 0.2]))),
+        "/motor_current": ("std_msgs/Float64MultiArray", numbers.pack(0, np.array([3.0]))),
+        "/motor_voltage": ("std_msgs/Float64MultiArray", numbers.pack(0, np.array([4.0]))),
+        "/tf": ("tf2_msgs/TFMessage", frames.pack(0, pose)),
+        "/tool_pose": ("geometry_msgs/PoseStamped", pose_layout().pack(0, pose)),
+        "/base_reference": ("nav_msgs/Odometry", odometry.pack(0, place)),
+        "/wheel_force": ("std_msgs/Float64MultiArray", numbers.pack(0, np.array([5.0]))),
+        "/wheel_slip": ("std_msgs/Float64MultiArray", numbers.pack(0, np.array([6.0]))),
+        "/wheel_residual": ("std_msgs/Float64MultiArray", numbers.pack(0, np.array([7.0]))),
+    }
+    with path.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start("ros2", "holonom")
+        for topic, (kind, data) in messages.items():
+            schema = writer.register_schema(kind, "ros2msg", b"")
+            channel = writer.register_channel(topic, "cdr", schema)
+            writer.add_message(channel, 0, data, 0)
+        writer.finish()
+
+
+def test_former_names_are_read(tmp_path: Path) -> None:
+    write_old(tmp_path / "r.mcap")
+    read = read_recording(tmp_path / "r.mcap")
+    assert (read.reference.position[0, 0], read.reference.velocity[0, 0]) == (0.1, 0.2)
+    assert (read.drives.current[0, 0], read.drives.voltage[0, 0]) == (3.0, 4.0)
+    contacts = read.contacts
+    assert (contacts.force[0, 0], contacts.slip[0, 0], contacts.residual[0, 0]) == (5.0, 6.0, 7.0)
+    assert read.frames["tool"].position.tolist() == read.tool.position.tolist() == [[1.0, 2.0, 3.0]]
+    assert not read.tree
+    assert np.allclose(read.base_reference.pose, [[1.0, 2.0, 0.5]])
+
+
+def test_quaternions_are_those_of_scipy() -> None:
+    turns = Rotation.concatenate(
+        [Rotation.random(300, random_state=1), Rotation.from_rotvec(np.pi * np.eye(3)), Rotation.identity(1)]
+    )
+    poses = np.tile(np.eye(4), (len(turns), 1, 1))
+    poses[:, :3, :3] = turns.as_matrix()
+    found = pose_rows(poses)[:, 3:]
+    assert np.allclose(np.abs((found * turns.as_quat()).sum(axis=1)), 1.0, atol=1e-14)
+    assert (found[:, 3] >= 0.0).all()
+    assert np.allclose(found[:300], turns.as_quat(canonical=True)[:300], atol=1e-14)

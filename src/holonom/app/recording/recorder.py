@@ -16,7 +16,7 @@ from holonom.app.recording.growing import GrowingFile
 from holonom.app.recording.schemas import schema_text
 from holonom.app.recording.scope import Scope
 from holonom.errors import OutputFault, UnknownName
-from holonom.signals import TOPICS, Record, Sink, Topic
+from holonom.signals import TOPICS, Record, Signal, Sink, Topic
 
 __all__ = ["Recorder"]
 
@@ -172,13 +172,15 @@ class Recorder:
 
 
 class _RobotSink:
-    """The records of one robot."""
+    """The records of one robot. A digital signal that is first heard of when it changes was the opposite before."""
 
-    __slots__ = ("_encoders", "_recorder", "_scope")
+    __slots__ = ("_begin", "_encoders", "_heard", "_recorder", "_scope")
 
     def __init__(self, recorder: Recorder, scope: Scope, topics: Sequence[Topic]) -> None:
         self._recorder, self._scope = recorder, scope
         self._encoders: dict[type[Record], list[tuple[Topic, Encode]]] = {}
+        self._begin: float | None = None
+        self._heard: set[int] = set()
         for topic in topics:
             encode = CODECS[topic.type].encoder(topic, scope)
             self._encoders.setdefault(topic.record, []).append((topic, encode))
@@ -186,6 +188,12 @@ class _RobotSink:
     def put(self, record: Record) -> None:
         if type(record) not in self._encoders:
             raise UnknownName("record", type(record).__name__, [kind.__name__ for kind in self._encoders])
+        if self._begin is None:
+            self._begin = record.time
+        if isinstance(record, Signal) and record.number not in self._heard:
+            self._heard.add(record.number)
+            if record.time > self._begin:
+                self.put(Signal(self._begin, record.number, not record.on))
         now = round(record.time * 1e9)
         for topic, encode in self._encoders[type(record)]:
             message = encode(now, record)
