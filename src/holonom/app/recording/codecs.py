@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.app.recording.cdr import ENCAPSULATION, CdrWriter, Layout
+from holonom.app.recording.heard import Messages
 from holonom.app.recording.messages import (
     BASE,
     WORLD,
@@ -37,18 +38,11 @@ from holonom.app.recording.scope import Scope
 from holonom.app.recording.tracks import Track
 from holonom.signals import Topic
 
-__all__ = ["CODECS", "Codec", "Encode", "Messages", "groups_of", "transform_groups"]
+__all__ = ["CODECS", "Codec", "Encode", "groups_of", "transform_groups"]
 
 Array = NDArray[np.float64]
 Encode = Callable[[int, Any], bytes | None]
 """Time (ns) and record to a message; None where the record says nothing of it."""
-
-
-class Messages(NamedTuple):
-    """Messages of one topic with their times, ns."""
-
-    times: list[int]
-    messages: list[bytes]
 
 
 class Group(NamedTuple):
@@ -68,15 +62,13 @@ class Codec(NamedTuple):
 
 def groups_of(given: Messages, kind_of: Callable[[bytes], Any], layout_of: Callable[[Any], Layout]) -> list[Group]:
     """Messages of a topic, sorted by layout; within one layout in the order of the file."""
-    times = np.array(given.times, dtype=np.int64) / 1e9
-    sizes = np.array([len(message) for message in given.messages])
+    times, sizes = given.seconds(), given.lengths()
     groups = []
     for size in dict.fromkeys(sizes.tolist()):
         at = np.flatnonzero(sizes == size)
-        rows = np.frombuffer(b"".join(given.messages[i] for i in at), dtype=np.uint8).reshape(len(at), size)
-        rows = rows[:, len(ENCAPSULATION) :]
+        rows = given.rows(at, size)[:, len(ENCAPSULATION) :]
         while len(at):
-            kind = kind_of(given.messages[at[0]])
+            kind = kind_of(given.message(int(at[0])))
             layout = layout_of(kind)
             same = layout.matches(rows)
             assert same[0], "the first message has the layout that was read from it"
@@ -201,8 +193,8 @@ def _flag(topic: Topic, scope: Scope) -> Encode:
 
 
 def _flag_track(topic: Topic, given: Messages) -> Track:
-    on = np.array([message[len(ENCAPSULATION)] != 0 for message in given.messages])
-    return Track(np.array(given.times) / 1e9, {topic.fields[0]: on})
+    on = np.array([message[len(ENCAPSULATION)] != 0 for message in given])
+    return Track(given.seconds(), {topic.fields[0]: on})
 
 
 def _log(topic: Topic, scope: Scope) -> Encode:
@@ -210,7 +202,7 @@ def _log(topic: Topic, scope: Scope) -> Encode:
 
 
 def _log_track(topic: Topic, given: Messages) -> Track:
-    return Track(np.array(given.times) / 1e9, {})
+    return Track(given.seconds(), {})
 
 
 CODECS: Mapping[str, Codec] = {

@@ -6,16 +6,18 @@ import os
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from io import BytesIO
 from pathlib import Path
 from typing import IO, NamedTuple
 
+from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Channel, Chunk, Footer, McapRecord, Message, Metadata
-from mcap.stream_reader import StreamReader, breakup_chunk
+from mcap.stream_reader import StreamReader, get_chunk_data_stream
 from zstandard import ZstdError
 
-from holonom.app.recording.codecs import Messages
+from holonom.app.recording.heard import Messages
 from holonom.errors import InputError
 
 __all__ = ["Pieces", "Said", "read_pieces"]
@@ -23,6 +25,8 @@ __all__ = ["Pieces", "Said", "read_pieces"]
 MAGIC = b"\x89MCAP0\r\n"
 HEAD = struct.Struct("<BQ")
 """What every record begins with: what it is, and its length behind that."""
+MESSAGE = struct.Struct("<HIQQ")
+"""What a message begins with: channel, sequence, when it was logged and published."""
 DAMAGED = (McapError, ZstdError, struct.error, ValueError, KeyError, IndexError)
 """What broken records raise in reading."""
 
@@ -46,9 +50,9 @@ class Pieces:
 
     def story(self) -> str:
         """How much there is, in words."""
-        count = sum(len(messages.times) for messages in self.topics.values())
-        last = max((messages.times[-1] for messages in self.topics.values() if messages.times), default=0)
-        return f"{count} messages, to {last / 1e9:g} s,"
+        count = sum(map(len, self.topics.values()))
+        last = max((messages.last() for messages in self.topics.values() if len(messages)), default=0.0)
+        return f"{count} messages, to {last:g} s,"
 
 
 def read_pieces(path: Path) -> Pieces:
@@ -104,20 +108,35 @@ def _records(stream: IO[bytes], end: int) -> Iterator[McapRecord]:
     while stream.tell() < end:
         record = next(records)
         if isinstance(record, Chunk):
-            yield from breakup_chunk(record, validate_crc=True)
+            yield from _broken_up(record)
         elif isinstance(record, Footer):
             return
         else:
             yield record
 
 
+def _broken_up(chunk: Chunk) -> Iterator[McapRecord]:
+    """Records of a chunk; the library's own way takes ten times as long."""
+    stream, length = get_chunk_data_stream(chunk, validate_crc=True)
+    data, at = memoryview(stream.read(length)), 0
+    while at < length:
+        opcode, size = HEAD.unpack_from(data, at)
+        at += HEAD.size
+        if opcode == Opcode.MESSAGE:
+            channel, sequence, log_time, publish_time = MESSAGE.unpack_from(data, at)
+            body = data[at + MESSAGE.size : at + size]
+            yield Message(channel, log_time, body, publish_time, sequence)  # type: ignore[arg-type]
+        elif opcode == Opcode.CHANNEL:
+            yield Channel.read(ReadDataStream(BytesIO(data[at : at + size])))
+        at += size
+
+
 def _take(record: McapRecord, pieces: Pieces, channels: dict[int, Messages]) -> None:
     if isinstance(record, Message):
-        channels[record.channel_id].times.append(record.log_time)
-        channels[record.channel_id].messages.append(record.data)
+        channels[record.channel_id].add(record.log_time, record.data)
     elif isinstance(record, Channel):
         said = Said(record.topic, record.metadata.get("kind", ""), record.metadata.get("robot", ""))
-        channels[record.id] = pieces.topics.setdefault(said, Messages([], []))
+        channels[record.id] = pieces.topics.setdefault(said, Messages())
     elif isinstance(record, Attachment):
         pieces.attachments[record.name] = record.data
     elif isinstance(record, Metadata):

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.app.recording.codecs import CODECS, Messages, transform_groups
+from holonom.app.recording.codecs import CODECS, transform_groups
+from holonom.app.recording.heard import Messages
 from holonom.app.recording.messages import WORLD, log_event
 from holonom.app.recording.pieces import Pieces, Said, read_pieces
 from holonom.app.recording.recording import COMPLETE, CUT_OFF, Recording
@@ -89,7 +90,7 @@ def _heard(pieces: Pieces, robot: str, topics: Sequence[Topic]) -> Heard:
         name = said.topic if said.kind else FORMER.get(said.topic, said.topic)
         name = name.removeprefix(f"/{robot}") if robot and said.robot == robot else name
         row = _row(name, topics)
-        if row is not None and (row.shared or said.robot == robot) and messages.times:
+        if row is not None and (row.shared or said.robot == robot) and len(messages):
             heard[name] = row, messages
     return heard
 
@@ -153,5 +154,5 @@ def _signals(tracks: Mapping[str, Track]) -> tuple[Signal, ...]:
 def _events(heard: Heard, robot: str) -> tuple[Event, ...]:
     if "/rosout" not in heard:
         return ()
-    events = map(log_event, heard["/rosout"][1].messages)
+    events = map(log_event, heard["/rosout"][1])
     return tuple(Event(e.time, e.level, bare(e.source, robot, "."), e.text, e.line) for e in events)
