@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import re
 import signal
@@ -49,6 +50,22 @@ def test_two_in_one_process(tmp_path: Path) -> None:
             pytest.fail("let in")
         with RunFolder(tmp_path / "other"):
             pass
+
+
+def test_a_run_that_ends_while_another_begins(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its lock is another file by then: who got the old one tries again."""
+    lock, flock = tmp_path / LOCK, fcntl.flock
+
+    def late(file, operation) -> None:
+        monkeypatch.setattr(fcntl, "flock", flock)
+        lock.unlink()
+        flock(file, operation)
+
+    monkeypatch.setattr(fcntl, "flock", late)
+    with RunFolder(tmp_path):
+        assert lock.exists()
+        with pytest.raises(OutputError, match="writes to"), RunFolder(tmp_path):
+            pytest.fail("let in")
 
 
 def test_only_a_runs_own_files_go(tmp_path: Path) -> None:

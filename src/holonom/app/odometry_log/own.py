@@ -27,7 +27,7 @@ CORNERS = np.array([[1.0, -1.0], [1.0, 1.0], [1.0, 1.0], [1.0, -1.0]])
 
 
 def read_own(path: Path) -> OdometryLog | None:
-    """Read a recording of a run; None where a file is not one, or says nothing of its base.
+    """Read a recording of a run, of several robots the first base; None where a file says nothing of a base.
 
     Raises
     ------
@@ -35,10 +35,14 @@ def read_own(path: Path) -> OdometryLog | None:
         A base that cannot be calibrated, or a recording without counts.
     """
     try:
-        base = base_of(read_pieces(path).metadata)
-        if base is None:
+        pieces = read_pieces(path)
+        for robot in dict.fromkeys(said.robot for said in pieces.topics) or [""]:
+            base = base_of(pieces.metadata, robot)
+            if base is not None:
+                break
+        else:
             return None
-        recording = read_recording(path)
+        recording = read_recording(path, robot=robot)
     except InputError as error:
         raise LogError(str(error)) from None
     drive, nominal = _drive(path, base)

@@ -42,6 +42,8 @@ Array = NDArray[np.float64]
 WORLD, ODOM, BASE = "world", "odom", "base_link"
 _PLANE = np.array([0, 1, 5])
 """x, y and turning about z among the six of a ROS pose or twist."""
+_COVARIANCE, _TWIST = (7 + 6 * _PLANE[:, None] + _PLANE).ravel(), 43 + _PLANE
+"""Their places among the numbers of a nav_msgs/Odometry."""
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40}
 
 
@@ -139,8 +141,8 @@ def odometry_values(pose: Array, twist: Array, covariance: Array) -> Array:
     """Pose (3,) and its covariance (3, 3), twist (3,) of a plane base as the 85 numbers of a nav_msgs/Odometry."""
     values = np.zeros(85)
     values[[0, 1, 5, 6]] = pose[0], pose[1], math.sin(pose[2] / 2), math.cos(pose[2] / 2)
-    values[7:43].reshape(6, 6)[np.ix_(_PLANE, _PLANE)] = covariance
-    values[43 + _PLANE] = twist
+    values[_COVARIANCE] = covariance.ravel()
+    values[_TWIST] = twist
     return values
 
 

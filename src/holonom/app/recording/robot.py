@@ -40,8 +40,10 @@ class BaseDescription:
     gear_ratio: float
 
 
-def base_words(base: WheelBase, counts_per_turn: int, gear_ratio: float) -> dict[str, dict[str, str]]:
-    """Return the words for a base, as `Recorder` takes them."""
+def base_words(
+    base: WheelBase, counts_per_turn: int, gear_ratio: float, *, robot: str = ""
+) -> dict[str, dict[str, str]]:
+    """Return the words for a base, as `Recorder` takes them; of several robots each has words of its own name."""
     rows = base.velocity_coupling * [1.0, 1.0, base.radius]
     said = {
         "name": base.name,
@@ -51,18 +53,18 @@ def base_words(base: WheelBase, counts_per_turn: int, gear_ratio: float) -> dict
         "counts_per_turn": counts_per_turn,
         "gear_ratio": gear_ratio,
     }
-    return {ROBOT: {"kind": "base", "description": json.dumps(said)}}
+    return {_name(robot): {"kind": "base", "description": json.dumps(said)}}
 
 
-def base_of(metadata: Mapping[str, Mapping[str, str]]) -> BaseDescription | None:
-    """Return what the words of a recording say of its base; None where they say nothing.
+def base_of(metadata: Mapping[str, Mapping[str, str]], robot: str = "") -> BaseDescription | None:
+    """Return what the words of a recording say of a base; None where they say nothing.
 
     Raises
     ------
     InputError
         Words that cannot be read.
     """
-    words = metadata.get(ROBOT, {})
+    words = metadata.get(_name(robot), {})
     if words.get("kind") != "base":
         return None
     try:
@@ -77,3 +79,7 @@ def base_of(metadata: Mapping[str, Mapping[str, str]]) -> BaseDescription | None
         )
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"the recording's words on its robot cannot be read ({error}); record it again") from None
+
+
+def _name(robot: str) -> str:
+    return f"{robot}/{ROBOT}" if robot else ROBOT
