@@ -20,7 +20,8 @@ HolonomError
     ├── ProgramFault          a run-time error of an ARPS program, with its line
     │   └── RunawayProgram    a loop that neither moves nor waits
     ├── DriveFault            a following error, an encoder or a drive fault
-    └── LevelFault            a level of a controller that is late, silent or sends what cannot be followed
+    ├── LevelFault            a level of a controller that is late, silent or sends what cannot be followed
+    └── OutputFault           a disk that is full, or gone, while a run writes
 """
 
 from __future__ import annotations
@@ -43,6 +44,7 @@ __all__ = [
     "NotAPose",
     "OutOfLimits",
     "OutputError",
+    "OutputFault",
     "ProgramError",
     "ProgramFault",
     "RunError",
@@ -141,3 +143,7 @@ class DriveFault(RunError):
 
 class LevelFault(RunError):
     """A level of a controller that is late, silent or sends what cannot be followed; the one below has stopped."""
+
+
+class OutputFault(RunError):
+    """A disk that is full, or gone, while a run writes; what was written until then is kept."""

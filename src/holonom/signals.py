@@ -1,25 +1,43 @@
-"""Records that cross the borders between layers: plain data, SI units, no behaviour."""
+"""Signals: the records that cross the borders between layers, and the one table of how each is said outside.
+
+A record is plain data in SI units, without behaviour. `TOPICS` says of every field of a record on which topic it
+goes, as which ROS type, and what it is: *measured* by a sensor, *commanded* by a controller, *estimated* from
+measurements, or the *truth*, which only a simulation knows. Recorder, reader, documentation and bridges go by this
+table; a signal more is a record and a row here.
+
+Names of topics: where ROS convention itself fixes the kind, its name (`/joint_states`, `/odom`, `/imu`, `/tf`,
+`/rosout`, and `/signals/<number>` of a program); everything else is `/<kind>/<name>`.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "TOPICS",
     "BaseCommand",
     "BaseState",
+    "BaseTruth",
     "DriveState",
+    "DriveTruth",
+    "EncoderCounts",
     "Event",
     "FramePoses",
+    "FrameTree",
     "Inertial",
     "JointCommand",
     "JointState",
+    "JointTruth",
+    "Kind",
     "Record",
     "Signal",
     "Sink",
+    "Topic",
     "WheelContact",
 ]
 
@@ -27,120 +45,277 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
-class JointState:
-    """Measured joint positions (rad or m), velocities and torques (N m or N), each (n,)."""
+class Record:
+    """What every record has: its time, s."""
 
     time: float
+
+
+@dataclass(frozen=True, slots=True)
+class JointState(Record):
+    """What the sensors of the joints say, each (n,).
+
+    Position (rad or m) and velocity by the encoders; effort (N m or N): what the motors give at the measured currents,
+    torque constant times gear ratio times current.
+    """
+
     position: Array
     velocity: Array
     effort: Array
 
 
 @dataclass(frozen=True, slots=True)
-class JointCommand:
+class JointCommand(Record):
     """Reference of the joint servos: position, velocity, acceleration, each (n,)."""
 
-    time: float
     position: Array
     velocity: Array
     acceleration: Array
 
 
 @dataclass(frozen=True, slots=True)
-class DriveState:
-    """Motor side of the axes: armature current (A) and voltage (V), each (n,)."""
+class JointTruth(Record):
+    """True joint positions (rad or m), velocities and torques behind the gear (N m or N), each (n,)."""
 
-    time: float
+    position: Array
+    velocity: Array
+    effort: Array
+
+
+@dataclass(frozen=True, slots=True)
+class EncoderCounts(Record):
+    """Counts of the axes' encoders since the start, (n,) integers, turns counted on."""
+
+    count: NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True)
+class DriveState(Record):
+    """Motor side of the axes: measured armature current (A) and commanded voltage (V), each (n,)."""
+
     current: Array
     voltage: Array
 
 
 @dataclass(frozen=True, slots=True)
-class BaseState:
+class DriveTruth(Record):
+    """True armature currents (A), (n,)."""
+
+    current: Array
+
+
+@dataclass(frozen=True, slots=True)
+class BaseState(Record):
     """Where a mobile base believes to be.
 
     Pose (3,): x, y, theta of base_link in odom; its `covariance` (3, 3); twist (3,): vx, vy, w in base_link.
     """
 
-    time: float
     pose: Array
     twist: Array
     covariance: Array
 
 
 @dataclass(frozen=True, slots=True)
-class BaseCommand:
+class BaseCommand(Record):
     """Reference of a mobile base: pose (3,) in odom and twist (3,) in base_link."""
 
-    time: float
     pose: Array
     twist: Array
 
 
 @dataclass(frozen=True, slots=True)
-class Inertial:
+class BaseTruth(Record):
+    """True pose (3,) of base_link in the world and twist (3,) in base_link."""
+
+    pose: Array
+    twist: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Inertial(Record):
     """What a gyro and accelerometers on base_link measure: turning rate (rad/s) about z, acceleration (2,) m/s2."""
 
-    time: float
     rate: float
     acceleration: Array
 
 
 @dataclass(frozen=True, slots=True)
-class WheelContact:
+class WheelContact(Record):
     """Wheels on the ground, each (n,).
 
-    Driving force (N); slip, the rim's speed over the ground (m/s); the rim speed that no twist explains (m/s).
+    Driving force (N) and slip, the rim's speed over the ground (m/s), both true; the measured rim speed that no twist
+    explains (m/s), an estimate.
     """
 
-    time: float
     force: Array
     slip: Array
     residual: Array
 
 
 @dataclass(frozen=True, slots=True)
-class FramePoses:
-    """World poses of named frames: `poses` (k, 4, 4), T_wx for x in `names`."""
+class FramePoses(Record):
+    """True world poses of named frames: `poses` (k, 4, 4), T_wx for x in `names`."""
 
-    time: float
     names: tuple[str, ...]
     poses: Array
 
 
 @dataclass(frozen=True, slots=True)
-class Signal:
+class FrameTree(Record):
+    """Frames as the controller believes them, each in its parent: `poses` (k, 4, 4), T_px for each parent and name.
+
+    Of a mobile base (REP 105): map, odom, base_link, and what is fixed or moves on it.
+    """
+
+    parents: tuple[str, ...]
+    names: tuple[str, ...]
+    poses: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Signal(Record):
     """A digital signal that changed."""
 
-    time: float
     number: int
     on: bool
 
 
 @dataclass(frozen=True, slots=True)
-class Event:
+class Event(Record):
     """Something worth a line in the log. `level`: "debug", "info", "warning" or "error"."""
 
-    time: float
     level: str
     source: str
     text: str
     line: int = 0
 
 
-Record = (
-    JointState
-    | JointCommand
-    | DriveState
-    | BaseState
-    | BaseCommand
-    | Inertial
-    | WheelContact
-    | FramePoses
-    | Signal
-    | Event
-)
-"""Any of them."""
+class Kind(StrEnum):
+    """Where a signal comes from. Words of the log are none of the four: `LOG`."""
+
+    MEASURED = "measured"
+    COMMANDED = "commanded"
+    ESTIMATED = "estimated"
+    TRUTH = "truth"
+    LOG = "log"
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """One row of the table: a signal, and how it is said outside.
+
+    Attributes
+    ----------
+    name
+        Topic of a robot that is alone; fields of the record may stand in braces. Of several robots each has its own:
+        `/<robot>/...`.
+    record, fields
+        The type of the record, and those of its fields that the message holds, in this order.
+    type
+        ROS 2 message type.
+    kind, units, frame, meaning
+        What it is: units of the fields in their order, joined by commas; frame that numbers are given in, or "".
+    shared
+        One topic for all robots; frames are then called `<robot>/<frame>`, and sources of events `<robot>.<source>`.
+    """
+
+    name: str
+    record: type[Record]
+    fields: tuple[str, ...]
+    type: str
+    kind: Kind
+    units: str
+    frame: str
+    meaning: str
+    shared: bool = False
+
+
+_STATE = ("position", "velocity", "effort")
+_JOINTS, _NUMBERS, _COUNTS = "sensor_msgs/JointState", "std_msgs/Float64MultiArray", "std_msgs/Int64MultiArray"
+_ODOMETRY, _FRAMES, _POSE = "nav_msgs/Odometry", "tf2_msgs/TFMessage", "geometry_msgs/PoseStamped"
+_JOINT_UNITS, _BASE_UNITS = "rad, rad/s, N m", "m and rad, m/s and rad/s"
+_MEASURED, _COMMANDED, _ESTIMATED, _TRUTH = Kind.MEASURED, Kind.COMMANDED, Kind.ESTIMATED, Kind.TRUTH
+
+TOPICS: tuple[Topic, ...] = (
+    Topic(
+        "/joint_states", JointState, _STATE, _JOINTS, _MEASURED, _JOINT_UNITS, "",
+        "joints by their encoders; torque of the motors at the measured currents",
+    ),
+    Topic(
+        "/commanded/joint_states", JointCommand, ("position", "velocity"), _JOINTS, _COMMANDED, "rad, rad/s", "",
+        "references of the joint servos",
+    ),
+    Topic(
+        "/truth/joint_states", JointTruth, _STATE, _JOINTS, _TRUTH, _JOINT_UNITS, "",
+        "joints as they are; torque behind the gear",
+    ),
+    Topic(
+        "/measured/encoder_counts", EncoderCounts, ("count",), _COUNTS, _MEASURED, "counts", "",
+        "encoder counts since the start, axis by axis",
+    ),
+    Topic(
+        "/measured/motor_current", DriveState, ("current",), _NUMBERS, _MEASURED, "A", "",
+        "armature currents by their shunts, axis by axis",
+    ),
+    Topic(
+        "/commanded/motor_voltage", DriveState, ("voltage",), _NUMBERS, _COMMANDED, "V", "",
+        "voltages asked of the power stages, axis by axis",
+    ),
+    Topic(
+        "/truth/motor_current", DriveTruth, ("current",), _NUMBERS, _TRUTH, "A", "",
+        "armature currents as they are, axis by axis",
+    ),
+    Topic(
+        "/odom", BaseState, ("pose", "twist", "covariance"), _ODOMETRY, _ESTIMATED,
+        f"{_BASE_UNITS}, their squares", "odom",
+        "where a mobile base believes to be, how sure it is, and its twist",
+    ),
+    Topic(
+        "/commanded/odom", BaseCommand, ("pose", "twist"), _ODOMETRY, _COMMANDED, _BASE_UNITS, "odom",
+        "where a mobile base should be, and its twist",
+    ),
+    Topic(
+        "/truth/odom", BaseTruth, ("pose", "twist"), _ODOMETRY, _TRUTH, _BASE_UNITS, "world",
+        "where a mobile base is, and its twist",
+    ),
+    Topic(
+        "/imu", Inertial, ("rate", "acceleration"), "sensor_msgs/Imu", _MEASURED, "rad/s, m/s^2", "base_link",
+        "turning rate and acceleration",
+    ),
+    Topic(
+        "/truth/wheel_force", WheelContact, ("force",), _NUMBERS, _TRUTH, "N", "",
+        "driving force of each wheel on the base",
+    ),
+    Topic(
+        "/truth/wheel_slip", WheelContact, ("slip",), _NUMBERS, _TRUTH, "m/s", "",
+        "speed of each rim over the ground",
+    ),
+    Topic(
+        "/estimated/wheel_residual", WheelContact, ("residual",), _NUMBERS, _ESTIMATED, "m/s", "",
+        "measured rim speed that no twist explains",
+    ),
+    Topic(
+        "/tf", FrameTree, ("parents", "names", "poses"), _FRAMES, _ESTIMATED, "m", "each frame's parent",
+        "frames as the controller believes them (REP 105)", shared=True,
+    ),
+    Topic(
+        "/truth/tf", FramePoses, ("names", "poses"), _FRAMES, _TRUTH, "m", "world",
+        "every frame as it is", shared=True,
+    ),
+    Topic(
+        "/truth/tool_pose", FramePoses, ("poses",), _POSE, _TRUTH, "m", "world", "the tool's frame as it is",
+    ),
+    Topic(
+        "/signals/{number}", Signal, ("on",), "std_msgs/Bool", _COMMANDED, "", "",
+        "a digital signal: its state at the start, and each time it changes",
+    ),
+    Topic(
+        "/rosout", Event, ("level", "source", "text", "line"), "rcl_interfaces/Log", Kind.LOG, "", "",
+        "events, with the program line", shared=True,
+    ),
+)  # fmt: skip
+"""Every signal there is."""
 
 
 class Sink(Protocol):

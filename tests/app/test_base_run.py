@@ -64,7 +64,43 @@ def test_the_summary_is_what_the_recording_says(run: Path) -> None:
     believed = np.hypot(*(recording.base.pose[:, :2] - recording.base_reference.pose[:, :2]).T)
     assert believed.max() < said["peak_m"]  # the controller closes its loop on what it believes
     slips = [signal for signal in recording.signals if signal.number == 1]
-    assert [signal.on for signal in slips[:2]] == [True, False]
+    assert [signal.on for signal in slips[:3]] == [False, True, False]
+    assert slips[0].time == 0.0
+
+
+def test_every_signal_is_what_its_name_says(run: Path) -> None:
+    """Measured from what sensors gave, commanded from what the controller asked, truth from the plant alone."""
+    recording = read_recording(run / "recording.mcap")
+    motor = 2.0 * np.pi / JOB.drive.encoder.counts_per_rev / JOB.drive.gear.ratio
+    measured, true, asked = recording.joints, recording.true_joints, recording.reference
+    assert np.allclose(measured.position, motor * (recording.counts.count + 0.5))
+    assert 0.0 < np.abs(measured.position - true.position).max() <= motor
+    assert np.abs(measured.velocity - true.velocity).max() > 0.0
+    assert not np.array_equal(asked.velocity, measured.velocity)
+    step = np.diff(asked.position, axis=0) / np.diff(asked.time)[:, None]
+    assert np.abs(step - asked.velocity[:-1]).mean() < 0.05 * np.abs(asked.velocity).mean()
+    assert np.abs(asked.position[-1] - true.position[-1]).max() > 0.1  # no copy of the truth
+    torque = JOB.drive.motor.torque_constant * JOB.drive.gear.ratio
+    assert np.allclose(measured.effort, torque * recording.drives.current)
+    noise = recording.drives.current - recording.tracks["/truth/motor_current"].fields["current"]
+    assert 0.02 < noise.std() < 0.04  # the shunt's
+    assert np.allclose(recording.true_base.pose[:, :2], recording.frames["base_link"].position[:, :2])
+    assert np.allclose(recording.base.pose[:, :2], recording.tree["odom", "base_link"].position[:, :2])
+    assert not recording.tree["map", "odom"].position.any()
+    assert recording.ended == "complete"
+
+
+def test_the_recording_says_how_sure_the_base_is(run: Path) -> None:
+    base = read_recording(run / "recording.mcap").base
+    sure = np.sqrt(np.einsum("kii->ki", base.covariance))
+    assert (sure > 0.0).all()
+    assert (sure[-1] > 10.0 * sure[0]).all()
+    assert np.linalg.eigvalsh(base.covariance).min() > 0.0
+
+
+def test_an_hour_stays_below_a_gigabyte(run: Path) -> None:
+    path = run / "recording.mcap"
+    assert path.stat().st_size / read_recording(path).end() * 3600.0 < 1e9
 
 
 def test_wheels_stand_on_the_base(run: Path) -> None:

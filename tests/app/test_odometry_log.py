@@ -290,7 +290,8 @@ DESCRIPTIONS = [
     (
         '"differential"',
         '"diff"',
-        r"log.toml:1: drive: no setting 'diff'; there is differential, mecanum, omni3, tricycle",
+        r"log.toml:1: drive: no setting 'diff'; there is differential, mecanum, omni3, omni3_any, "
+        r"omni4_any, omni5_any, omni6_any, tricycle",
     ),
     ('runs = ["run.csv"]', "runs = []", r"log.toml:2: runs: 0 came; at least 1 are needed: files of the runs"),
     ("run.csv", "other.csv", r"other.csv: there is no such file"),

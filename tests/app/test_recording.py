@@ -70,7 +70,7 @@ def nanoseconds(stamp) -> int:
 def test_peer_decodes_joint_states_and_references(run):
     given, path = run
     topics = decoded(path)
-    for topic, kind in (("/joint_states", JointState), ("/joint_reference", JointCommand)):
+    for topic, kind in (("/joint_states", JointState), ("/commanded/joint_states", JointCommand)):
         for record, (log_time, message) in zip(of(given, kind), topics[topic], strict=True):
             assert tuple(message.name) == JOINTS
             assert nanoseconds(message.header.stamp) == log_time == round(record.time * 1e9)
@@ -86,8 +86,8 @@ def test_peer_decodes_motors_signals_and_log(run):
     given, path = run
     topics = decoded(path)
     drives = of(given, DriveState)
-    for name in ("current", "voltage"):
-        for record, (_, message) in zip(drives, topics[f"/motor_{name}"], strict=True):
+    for name, topic in (("current", "/measured/motor_current"), ("voltage", "/commanded/motor_voltage")):
+        for record, (_, message) in zip(drives, topics[topic], strict=True):
             assert np.array_equal(message.data, getattr(record, name))
             assert [(d.label, d.size, d.stride) for d in message.layout.dim] == [("axis", 3, 3)]
     assert [m.data for _, m in topics["/signals/5"]] == [s.on for s in of(given, Signal)]
@@ -100,7 +100,9 @@ def test_peer_decodes_motors_signals_and_log(run):
 def test_peer_decodes_frames_and_tool(run):
     given, path = run
     topics = decoded(path)
-    for record, (_, message), (_, tool) in zip(of(given, FramePoses), topics["/tf"], topics["/tool_pose"], strict=True):
+    for record, (_, message), (_, tool) in zip(
+        of(given, FramePoses), topics["/truth/tf"], topics["/truth/tool_pose"], strict=True
+    ):
         assert tuple(t.child_frame_id for t in message.transforms) == FRAMES
         assert {t.header.frame_id for t in message.transforms} == {"world"}
         for i, transform in enumerate(message.transforms):
@@ -149,11 +151,11 @@ def test_profile_encodings_and_schemas(run):
     types = {c.topic: summary.schemas[c.schema_id].name for c in summary.channels.values()}
     assert types == {
         "/joint_states": "sensor_msgs/msg/JointState",
-        "/joint_reference": "sensor_msgs/msg/JointState",
-        "/motor_current": "std_msgs/msg/Float64MultiArray",
-        "/motor_voltage": "std_msgs/msg/Float64MultiArray",
-        "/tf": "tf2_msgs/msg/TFMessage",
-        "/tool_pose": "geometry_msgs/msg/PoseStamped",
+        "/commanded/joint_states": "sensor_msgs/msg/JointState",
+        "/measured/motor_current": "std_msgs/msg/Float64MultiArray",
+        "/commanded/motor_voltage": "std_msgs/msg/Float64MultiArray",
+        "/truth/tf": "tf2_msgs/msg/TFMessage",
+        "/truth/tool_pose": "geometry_msgs/msg/PoseStamped",
         "/rosout": "rcl_interfaces/msg/Log",
         "/signals/5": "std_msgs/msg/Bool",
     }

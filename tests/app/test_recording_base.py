@@ -60,8 +60,8 @@ def test_peer_decodes_imu_and_wheels(run):
         assert message.orientation_covariance[0] == -1.0  # states no orientation (REP 145)
         assert message.angular_velocity.z == record.rate
         assert (message.linear_acceleration.x, message.linear_acceleration.y) == tuple(record.acceleration)
-    for name in ("force", "slip", "residual"):
-        for record, message in zip(of(given, WheelContact), topics[f"/wheel_{name}"], strict=True):
+    for name, kind in (("force", "truth"), ("slip", "truth"), ("residual", "estimated")):
+        for record, message in zip(of(given, WheelContact), topics[f"/{kind}/wheel_{name}"], strict=True):
             assert np.array_equal(message.data, getattr(record, name))
 
 

@@ -19,6 +19,14 @@ NOMINAL = {
             ["diameter_front_left", "diameter_front_right", "diameter_rear_left", "diameter_rear_right"], 0.06
         ),
     },
+    **{
+        f"omni{len(axes)}_any": {
+            "wheel_distance": 0.08,
+            **{f"diameter_wheel_{k + 1}": 0.054 for k in range(len(axes))},
+            **{f"axis_wheel_{k + 1}": axis for k, axis in enumerate(axes)},
+        }
+        for axes in ([0.5, 2.0, 4.5], [1.0, 2.4, 3.9, 5.3], [0.1, 1.3, 2.6, 3.8, 5.1], [0.3, 1.2, 2.4, 3.5, 4.4, 5.6])
+    },
 }
 
 

@@ -65,6 +65,10 @@ def test_motion_matrices_are_those_of_the_bases() -> None:
             [0.195, *[0.1] * 3],
         ),
         "mecanum": (arrangements.mecanum(0.25, 0.15, 0.03), [0.4, *[0.06] * 4]),
+        "omni4_any": (
+            arrangements.omni([1.0, 2.4, 3.9, 5.3], radius=0.08, wheel_radius=0.027),
+            [0.08, *[0.054] * 4, 1.0, 2.4, 3.9, 5.3],
+        ),
     }
     for drive, (base, numbers) in bases.items():
         p = drive_parameters(drive, dict(zip(DRIVES[drive], numbers, strict=True)))

@@ -41,14 +41,19 @@ def wheel_frames(base: WheelBase) -> tuple[str, ...]:
 
 
 def wheel_poses(base: WheelBase, T_base: Array, angles: Array) -> Array:
-    """World poses (m, 4, 4) of the driven wheels turned by `angles` (m,): y along the axle, on a base at T_base."""
-    poses = np.empty((len(angles), 4, 4))
-    for k, (wheel, angle) in enumerate(zip(_driven(base), angles, strict=True)):
-        turn = Rotation.from_euler("z", wheel.heading) * Rotation.from_euler("y", angle)
-        T = pose((wheel.x, wheel.y, wheel.radius))
-        T[:3, :3] = turn.as_matrix()
-        poses[k] = T_base @ T
-    return poses
+    """World poses (..., m, 4, 4) of the driven wheels turned by `angles` (..., m), on a base at T_base (..., 4, 4).
+
+    y lies along the axle.
+    """
+    wheels = _driven(base)
+    angle, c, s = np.asarray(angles), *((f([wheel.heading for wheel in wheels])) for f in (np.cos, np.sin))
+    turned, lifted = np.cos(angle), np.sin(angle)
+    T = np.zeros((*angle.shape, 4, 4))
+    T[..., 0, 0], T[..., 0, 1], T[..., 0, 2] = c * turned, -s, c * lifted
+    T[..., 1, 0], T[..., 1, 1], T[..., 1, 2] = s * turned, c, s * lifted
+    T[..., 2, 0], T[..., 2, 2], T[..., 3, 3] = -lifted, turned, 1.0
+    T[..., :3, 3] = [(wheel.x, wheel.y, wheel.radius) for wheel in wheels]
+    return np.asarray(T_base)[..., None, :, :] @ T
 
 
 def patch_corners(patch: Patch) -> Array:

@@ -1,7 +1,7 @@
 """The plain format: a TOML file that says what was driven, and a CSV or MCAP file for each run.
 
 ```toml
-drive = "differential"            # differential, tricycle, omni3 or mecanum
+drive = "differential"            # differential, tricycle, omni3, mecanum, omni3_any to omni6_any
 runs = ["run-1.csv", "run-2.csv"] # beside this file; .csv, .csv.gz or .mcap
 side = 1.7                        # of the square, m; for UMBmark, else leave it out
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from holonom.app.odometry_log.log import OdometryLog
 from holonom.app.odometry_log.optiodom import METADATA, RUN, drive_of, find_sets, read_optiodom
+from holonom.app.odometry_log.own import read_own
 from holonom.app.odometry_log.plain import read_plain
 from holonom.errors import LogError
 from holonom.mobile.calibration import article
@@ -25,7 +26,7 @@ def read_log(paths: Sequence[Path], *, drive: str | None = None, allow_gaps: boo
     Parameters
     ----------
     paths : folders of the OptiOdom data set or above several of them, run files of it; TOML files of the plain
-        format, or run files beside the one that describes them.
+        format, or run files beside the one that describes them; recordings of our own runs.
     drive : what was driven; sets of other drives below a folder are passed over. Taken from the logs unless given.
     allow_gaps : let gaps in time pass with a note.
 
@@ -64,10 +65,25 @@ def _logs(path: Path, drive: str | None, *, allow_gaps: bool) -> list[OdometryLo
         metadata = path.parent / f"{run[1]}_metadata.csv"
         return [read_optiodom(metadata, only=[path], allow_gaps=allow_gaps)]
     described = sorted(path.parent.glob("*.toml"))
+    if path.is_file() and path.suffix == ".mcap" and (own := _own(path, described=bool(described))) is not None:
+        return [own]
     if path.is_file() and path.suffix in RUNS and len(described) == 1:
         return [read_plain(described[0], only=path.name, allow_gaps=allow_gaps)]
     reason = "is no log" if path.exists() else "is not there"
-    raise LogError(f"{path} {reason}; give a folder of the OptiOdom data set, or the TOML file that describes a log")
+    raise LogError(
+        f"{path} {reason}; give a folder of the OptiOdom data set, the TOML file that describes a log, or the "
+        "recording of a base's run"
+    )
+
+
+def _own(path: Path, *, described: bool) -> OdometryLog | None:
+    """A recording of our own; what cannot be read as one is another's where a TOML file describes it."""
+    try:
+        return read_own(path)
+    except LogError:
+        if described:
+            return None
+        raise
 
 
 def _folder(folder: Path, drive: str | None, *, allow_gaps: bool) -> list[OdometryLog]:

@@ -44,8 +44,11 @@ class Layout:
     stamps: NDArray[np.intp]
     doubles: NDArray[np.intp]
 
-    def pack(self, nanoseconds: int, values: NDArray[np.float64]) -> bytes:
-        """Message with all stamps at one time and `values`, any shape with k elements, in the open places."""
+    def pack(self, nanoseconds: int, values: NDArray[np.float64] | NDArray[np.int64]) -> bytes:
+        """Message with all stamps at one time and `values`, any shape with k elements, in the open places.
+
+        Whole numbers of 64 bits take the places of doubles.
+        """
         if values.size != self.doubles.size:
             raise ShapeError(
                 f"{values.size} numbers for a message that holds {self.doubles.size}; "
@@ -55,7 +58,7 @@ class Layout:
         words = data.view("<u4")
         words[self.stamps] = nanoseconds // _SECOND
         words[self.stamps + 1] = nanoseconds % _SECOND
-        data.view("<f8")[self.doubles] = values.ravel()
+        data.view(values.dtype)[self.doubles] = values.ravel()
         return ENCAPSULATION + data[: self.size].tobytes()
 
     def matches(self, rows: NDArray[np.uint8]) -> NDArray[np.bool_]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.app.recording.cdr import CdrReader, CdrWriter, Layout
+from holonom.app.recording.kernels import fill_pose_rows
 from holonom.signals import Event
 
 __all__ = [
@@ -19,17 +20,21 @@ __all__ = [
     "array_layout",
     "array_size",
     "inertial_layout",
+    "inertial_plane",
     "inertial_values",
     "joint_layout",
     "joint_message",
     "log_event",
     "log_message",
+    "odometry_frames",
     "odometry_layout",
     "odometry_plane",
     "odometry_values",
     "pose_layout",
+    "pose_rows",
+    "stamped_frame",
+    "transform_frames",
     "transform_layout",
-    "transform_names",
 ]
 
 Array = NDArray[np.float64]
@@ -37,6 +42,8 @@ Array = NDArray[np.float64]
 WORLD, ODOM, BASE = "world", "odom", "base_link"
 _PLANE = np.array([0, 1, 5])
 """x, y and turning about z among the six of a ROS pose or twist."""
+_COVARIANCE, _TWIST = (7 + 6 * _PLANE[:, None] + _PLANE).ravel(), 43 + _PLANE
+"""Their places among the numbers of a nav_msgs/Odometry."""
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40}
 
 
@@ -74,7 +81,7 @@ def joint_message(message: bytes) -> JointMessage:
 
 
 def array_layout(count: int) -> Layout:
-    """std_msgs/Float64MultiArray of one dimension, the axes; open: the numbers."""
+    """std_msgs/Float64MultiArray or Int64MultiArray of one dimension, the axes; open: the numbers."""
     out = CdrWriter().uint32(1).text("axis").uint32(count).uint32(count).uint32(0)
     return out.uint32(count).doubles(count).layout()
 
@@ -87,42 +94,55 @@ def array_size(message: bytes) -> int:
     return data.uint32()
 
 
-def transform_layout(names: Sequence[str]) -> Layout:
-    """tf2_msgs/TFMessage, world to each name; open: x y z and quaternion x y z w of each."""
-    out = CdrWriter().uint32(len(names))
-    for name in names:
-        out.stamp().text(WORLD).text(name).doubles(7)
+def transform_layout(frames: Sequence[tuple[str, str]]) -> Layout:
+    """tf2_msgs/TFMessage of (parent, child)s; open: x y z and quaternion x y z w of each."""
+    out = CdrWriter().uint32(len(frames))
+    for parent, child in frames:
+        out.stamp().text(parent).text(child).doubles(7)
     return out.layout()
 
 
-def transform_names(message: bytes) -> tuple[str, ...]:
-    """Child frames of a tf2_msgs/TFMessage."""
+def transform_frames(message: bytes) -> tuple[tuple[str, str], ...]:
+    """(Parent, child)s of a tf2_msgs/TFMessage."""
     data = CdrReader(message)
-    names = []
+    frames = []
     for _ in range(data.uint32()):
         data.stamp()
-        data.text()
-        names.append(data.text())
+        frames.append((data.text(), data.text()))
         data.skip_doubles(7)
-    return tuple(names)
+    return tuple(frames)
 
 
-def pose_layout() -> Layout:
-    """geometry_msgs/PoseStamped in the world; open: x y z and quaternion x y z w."""
-    return CdrWriter().stamp().text(WORLD).doubles(7).layout()
+def pose_layout(frame: str = WORLD) -> Layout:
+    """geometry_msgs/PoseStamped in a frame; open: x y z and quaternion x y z w."""
+    return CdrWriter().stamp().text(frame).doubles(7).layout()
 
 
-def odometry_layout() -> Layout:
-    """nav_msgs/Odometry of base_link in odom; open: the numbers of `odometry_values`."""
-    return CdrWriter().stamp().text(ODOM).text(BASE).doubles(7 + 36 + 6 + 36).layout()
+def pose_rows(poses: Array) -> Array:
+    """Rows (k, 7), x y z and quaternion x y z w, of poses (k, 4, 4)."""
+    rows = np.empty((len(poses), 7))
+    fill_pose_rows(np.ascontiguousarray(poses, dtype=np.float64), rows)
+    return rows
+
+
+def odometry_layout(frames: tuple[str, str] = (ODOM, BASE)) -> Layout:
+    """nav_msgs/Odometry of the second frame in the first; open: the numbers of `odometry_values`."""
+    return CdrWriter().stamp().text(frames[0]).text(frames[1]).doubles(7 + 36 + 6 + 36).layout()
+
+
+def odometry_frames(message: bytes) -> tuple[str, str]:
+    """Frames of a nav_msgs/Odometry."""
+    data = CdrReader(message)
+    data.stamp()
+    return data.text(), data.text()
 
 
 def odometry_values(pose: Array, twist: Array, covariance: Array) -> Array:
     """Pose (3,) and its covariance (3, 3), twist (3,) of a plane base as the 85 numbers of a nav_msgs/Odometry."""
     values = np.zeros(85)
     values[[0, 1, 5, 6]] = pose[0], pose[1], math.sin(pose[2] / 2), math.cos(pose[2] / 2)
-    values[7:43].reshape(6, 6)[np.ix_(_PLANE, _PLANE)] = covariance
-    values[43 + _PLANE] = twist
+    values[_COVARIANCE] = covariance.ravel()
+    values[_TWIST] = twist
     return values
 
 
@@ -134,9 +154,21 @@ def odometry_plane(values: Array) -> tuple[Array, Array, Array]:
     return np.column_stack([values[:, :2], heading]), values[:, 43 + _PLANE], covariance
 
 
-def inertial_layout() -> Layout:
-    """sensor_msgs/Imu on base_link; open: the numbers of `inertial_values`."""
-    return CdrWriter().stamp().text(BASE).doubles(4 + 9 + 3 + 9 + 3 + 9).layout()
+def stamped_frame(message: bytes) -> str:
+    """Frame of a message that begins with a std_msgs/Header."""
+    data = CdrReader(message)
+    data.stamp()
+    return data.text()
+
+
+def inertial_layout(frame: str = BASE) -> Layout:
+    """sensor_msgs/Imu on a frame; open: the numbers of `inertial_values`."""
+    return CdrWriter().stamp().text(frame).doubles(4 + 9 + 3 + 9 + 3 + 9).layout()
+
+
+def inertial_plane(values: Array) -> tuple[Array, Array]:
+    """Turning rates (N,) and accelerations (N, 2) from rows (N, 37) of sensor_msgs/Imu."""
+    return values[:, 15], values[:, 25:27]
 
 
 def inertial_values(rate: float, acceleration: Array) -> Array:

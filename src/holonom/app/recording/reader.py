@@ -2,177 +2,157 @@
 
 from __future__ import annotations
 
+import struct
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
 
 import numpy as np
-from mcap.exceptions import McapError
-from mcap.records import Channel, Message
-from mcap.stream_reader import StreamReader
 from numpy.typing import NDArray
 
-from holonom.app.recording.cdr import ENCAPSULATION, Layout
-from holonom.app.recording.messages import (
-    array_layout,
-    array_size,
-    joint_layout,
-    joint_message,
-    log_event,
-    odometry_layout,
-    odometry_plane,
-    pose_layout,
-    transform_layout,
-    transform_names,
-)
-from holonom.app.recording.tracks import BaseTrack, ContactTrack, DriveTrack, FrameTrack, JointTrack, Recording
-from holonom.errors import InputError
-from holonom.signals import Signal
+from holonom.app.recording.codecs import CODECS, transform_groups
+from holonom.app.recording.heard import Messages
+from holonom.app.recording.messages import WORLD, log_event
+from holonom.app.recording.pieces import Pieces, Said, read_pieces
+from holonom.app.recording.recording import COMPLETE, CUT_OFF, Recording
+from holonom.app.recording.scope import bare
+from holonom.app.recording.tracks import FrameTrack, Track
+from holonom.errors import InputError, UnknownName
+from holonom.signals import TOPICS, Event, Signal, Topic
 
-__all__ = ["read_recording"]
+__all__ = ["FORMER", "read_recording"]
 
 Array = NDArray[np.float64]
 
+FORMER = {
+    "/joint_reference": "/commanded/joint_states",
+    "/motor_current": "/truth/motor_current",
+    "/motor_voltage": "/commanded/motor_voltage",
+    "/tf": "/truth/tf",
+    "/tool_pose": "/truth/tool_pose",
+    "/base_reference": "/commanded/odom",
+    "/wheel_force": "/truth/wheel_force",
+    "/wheel_slip": "/truth/wheel_slip",
+    "/wheel_residual": "/estimated/wheel_residual",
+}
+"""What topics were called before a recording said of each what it is."""
 
-class _Topic(NamedTuple):
-    times: list[int]
-    messages: list[bytes]
+Heard = dict[str, tuple[Topic, Messages]]
+Frames = dict[tuple[str, str], FrameTrack]
 
 
-class _Group(NamedTuple):
-    """Messages of one layout: what fixes it, their times (N,) in s and their open doubles (N, k)."""
-
-    kind: Any
-    time: Array
-    values: Array
-
-
-def read_recording(path: str | Path) -> Recording:
-    """Read a file that `Recorder` wrote.
+def read_recording(path: str | Path, *, robot: str | None = None, topics: Sequence[Topic] = TOPICS) -> Recording:
+    """Read a file that `Recorder` wrote, also one that a killed run left.
 
     Parameters
     ----------
     path
         The MCAP file.
+    robot
+        Which of several; the first one unless given.
+    topics
+        The table of signals.
 
     Returns
     -------
     Recording
-        All topics as arrays; SI units, radians, frames in world.
+        All topics as arrays; SI units, radians, frames in world. Where the file ends in the middle `ended` says so, and
+        all whole pieces before that are there.
 
     Raises
     ------
     InputError
-        The file is missing, or no MCAP recording.
+        The file is missing, no MCAP recording, or damaged: up to where it can be read.
+    UnknownName
+        No such robot.
     """
-    topics = _read_topics(Path(path))
-    names, joints = _joint_track(topics["/joint_states"])
-    reference_names, reference = _joint_track(topics["/joint_reference"])
-    time, current = _array_track(topics["/motor_current"])
-    _, voltage = _array_track(topics["/motor_voltage"])
-    force_time, force = _array_track(topics["/wheel_force"])
-    _, slip = _array_track(topics["/wheel_slip"])
-    _, residual = _array_track(topics["/wheel_residual"])
-    tool = _groups(topics["/tool_pose"], lambda message: None, lambda kind: pose_layout())
+    path = Path(path)
+    pieces = read_pieces(path)
+    robots = tuple(dict.fromkeys(said.robot for said in pieces.topics if not _is_shared(said, topics)))
+    if robot is not None and robot not in (robots or ("",)):
+        raise UnknownName("robot in the recording", robot, robots)
+    chosen = robot if robot is not None else next(iter(robots), "")
+    heard = _heard(pieces, chosen, topics)
+    try:
+        return _recording(pieces, heard, chosen, robots)
+    except (struct.error, ValueError, IndexError, StopIteration) as error:
+        raise InputError(f"{path} holds a message that is damaged ({error}); record it again") from error
+
+
+def _is_shared(said: Said, topics: Sequence[Topic]) -> bool:
+    return any(topic.shared and topic.name == said.topic for topic in topics)
+
+
+def _heard(pieces: Pieces, robot: str, topics: Sequence[Topic]) -> Heard:
+    """Messages of a robot by the topic's name in the table, with its row."""
+    heard: Heard = {}
+    for said, messages in pieces.topics.items():
+        name = said.topic if said.kind else FORMER.get(said.topic, said.topic)
+        name = name.removeprefix(f"/{robot}") if robot and said.robot == robot else name
+        row = _row(name, topics)
+        if row is not None and (row.shared or said.robot == robot) and len(messages):
+            heard[name] = row, messages
+    return heard
+
+
+def _row(name: str, topics: Sequence[Topic]) -> Topic | None:
+    """Row of a topic; of one with open places by what stands before them."""
+    for topic in topics:
+        if topic.name == name or ("{" in topic.name and name.startswith(topic.name.partition("{")[0])):
+            return topic
+    return None
+
+
+def _recording(pieces: Pieces, heard: Heard, robot: str, robots: tuple[str, ...]) -> Recording:
+    tracks = {name: CODECS[row.type].decode(row, messages) for name, (row, messages) in heard.items()}
+    joints = (track.names for track in tracks.values() if track.names)
+    frames = {name: track for (parent, name), track in _frames(heard, "/truth/tf", robot).items() if parent == WORLD}
     return Recording(
-        joint_names=names or reference_names,
-        joints=joints,
-        reference=reference,
-        drives=DriveTrack(time, current, voltage),
-        base=_base_track(topics["/odom"]),
-        base_reference=_base_track(topics["/base_reference"]),
-        contacts=ContactTrack(force_time, force, slip, residual),
-        tool=_frame_track([(group.time, group.values) for group in tool]),
-        frames=_frames(topics["/tf"]),
-        signals=_signals(topics),
-        events=tuple(log_event(message) for message in topics["/rosout"].messages),
+        tracks=tracks,
+        frames=frames,
+        tree=_frames(heard, "/tf", robot),
+        signals=_signals(tracks),
+        events=_events(heard, robot),
+        joint_names=tuple(bare(name, robot, ".") for name in next(joints, ())),
+        robot=robot,
+        robots=robots,
+        attachments=pieces.attachments,
+        metadata=pieces.metadata,
+        ended=COMPLETE if pieces.whole else CUT_OFF,
     )
 
 
-def _read_topics(path: Path) -> dict[str, _Topic]:
-    topics: dict[str, _Topic] = defaultdict(lambda: _Topic([], []))
-    channels: dict[int, _Topic] = {}
-    try:
-        with path.open("rb") as stream:
-            for record in StreamReader(stream).records:
-                if isinstance(record, Message):
-                    topic = channels[record.channel_id]
-                    topic.times.append(record.log_time)
-                    topic.messages.append(record.data)
-                elif isinstance(record, Channel):
-                    channels[record.id] = topics[record.topic]
-    except OSError as error:
-        raise InputError(f"cannot read the recording {path}: {error.strerror}; give a recording.mcap") from error
-    except McapError as error:
-        raise InputError(f"{path} is no MCAP recording ({error}); give a recording.mcap of a run") from error
-    return topics
+def _frames(heard: Heard, topic: str, robot: str) -> Frames:
+    """Frames by (parent, name)."""
+    if topic not in heard:
+        return {}
+    parts: dict[tuple[str, str], list[tuple[Array, Array]]] = defaultdict(list)
+    for frames, time, values in transform_groups(heard[topic][1]):
+        for i, (parent, name) in enumerate(frames):
+            key = bare(parent, robot, "/"), bare(name, robot, "/")
+            parts[key].append((time, values[:, 7 * i : 7 * i + 7]))
+    return {key: _frame_track(pieces) for key, pieces in parts.items()}
 
 
-def _groups(topic: _Topic, kind_of: Callable[[bytes], Any], layout_of: Callable[[Any], Layout]) -> list[_Group]:
-    """Messages of a topic, sorted by layout; within one layout in the order of the file."""
-    times = np.array(topic.times, dtype=np.int64) / 1e9
-    sizes = np.array([len(message) for message in topic.messages])
-    groups = []
-    for size in dict.fromkeys(sizes.tolist()):
-        at = np.flatnonzero(sizes == size)
-        rows = np.frombuffer(b"".join(topic.messages[i] for i in at), dtype=np.uint8).reshape(len(at), size)
-        rows = rows[:, len(ENCAPSULATION) :]
-        while len(at):
-            kind = kind_of(topic.messages[at[0]])
-            layout = layout_of(kind)
-            same = layout.matches(rows)
-            assert same[0], "the first message has the layout that was read from it"
-            groups.append(_Group(kind, times[at[same]], layout.unpack(rows[same])))
-            at, rows = at[~same], rows[~same]
-    return groups
-
-
-def _joint_track(topic: _Topic) -> tuple[tuple[str, ...], JointTrack]:
-    groups = _groups(topic, joint_message, joint_layout)
-    if not groups:
-        empty = np.empty((0, 0))
-        return (), JointTrack(np.empty(0), empty, empty, empty)
-    (kind, time, values) = groups[0]
-    n = len(kind.names)
-    return kind.names, JointTrack(time, values[:, :n], values[:, n : 2 * n], values[:, 2 * n :])
-
-
-def _array_track(topic: _Topic) -> tuple[Array, Array]:
-    groups = _groups(topic, array_size, array_layout)
-    return (groups[0].time, groups[0].values) if groups else (np.empty(0), np.empty((0, 0)))
-
-
-def _base_track(topic: _Topic) -> BaseTrack:
-    groups = _groups(topic, lambda message: None, lambda kind: odometry_layout())
-    if not groups:
-        return BaseTrack(np.empty(0), np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3, 3)))
-    pose, twist, covariance = odometry_plane(groups[0].values)
-    return BaseTrack(groups[0].time, pose, twist, covariance)
-
-
-def _frames(topic: _Topic) -> dict[str, FrameTrack]:
-    parts: dict[str, list[tuple[Array, Array]]] = defaultdict(list)
-    for names, time, values in _groups(topic, transform_names, transform_layout):
-        for i, name in enumerate(names):
-            parts[name].append((time, values[:, 7 * i : 7 * i + 7]))
-    return {name: _frame_track(pieces) for name, pieces in parts.items()}
-
-
-def _frame_track(pieces: list[tuple[Array, Array]]) -> FrameTrack:
-    if not pieces:
-        return FrameTrack(np.empty(0), np.empty((0, 3)), np.empty((0, 4)))
+def _frame_track(pieces: Sequence[tuple[Array, Array]]) -> FrameTrack:
     time = np.concatenate([piece[0] for piece in pieces])
     values = np.concatenate([piece[1] for piece in pieces])
     order = np.argsort(time, kind="stable")
     return FrameTrack(time[order], values[order, :3], values[order, 3:])
 
 
-def _signals(topics: dict[str, _Topic]) -> tuple[Signal, ...]:
+def _signals(tracks: Mapping[str, Track]) -> tuple[Signal, ...]:
     found = [
-        Signal(time / 1e9, int(name.removeprefix("/signals/")), message[len(ENCAPSULATION)] != 0)
-        for name, topic in topics.items()
+        Signal(float(time), int(name.removeprefix("/signals/")), bool(on))
+        for name, track in tracks.items()
         if name.startswith("/signals/")
-        for time, message in zip(topic.times, topic.messages, strict=True)
+        for time, on in zip(track.time, track.fields["on"], strict=True)
     ]
     return tuple(sorted(found, key=lambda signal: signal.time))
+
+
+def _events(heard: Heard, robot: str) -> tuple[Event, ...]:
+    if "/rosout" not in heard:
+        return ()
+    events = map(log_event, heard["/rosout"][1])
+    return tuple(Event(e.time, e.level, bare(e.source, robot, "."), e.text, e.line) for e in events)

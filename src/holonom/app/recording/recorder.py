@@ -2,74 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import lru_cache
+import mimetypes
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Self, assert_never
+from typing import Any, Self
 
-import numpy as np
 from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
 from mcap.writer import CompressionType, Writer
-from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
-from holonom.app.recording.cdr import CdrWriter
-from holonom.app.recording.messages import (
-    JointMessage,
-    array_layout,
-    inertial_layout,
-    inertial_values,
-    joint_layout,
-    log_message,
-    odometry_layout,
-    odometry_values,
-    pose_layout,
-    transform_layout,
-)
+from holonom.app.recording.codecs import CODECS, Encode
+from holonom.app.recording.growing import GrowingFile
 from holonom.app.recording.schemas import schema_text
-from holonom.errors import OutputError
-from holonom.signals import (
-    BaseCommand,
-    BaseState,
-    DriveState,
-    Event,
-    FramePoses,
-    Inertial,
-    JointCommand,
-    JointState,
-    Record,
-    Signal,
-    WheelContact,
-)
+from holonom.app.recording.scope import Scope
+from holonom.errors import OutputFault, UnknownName
+from holonom.signals import TOPICS, Record, Signal, Sink, Topic
 
 __all__ = ["Recorder"]
 
-Array = NDArray[np.float64]
-
-_TOPICS = {
-    "/joint_states": "sensor_msgs/JointState",
-    "/joint_reference": "sensor_msgs/JointState",
-    "/motor_current": "std_msgs/Float64MultiArray",
-    "/motor_voltage": "std_msgs/Float64MultiArray",
-    "/tf": "tf2_msgs/TFMessage",
-    "/tool_pose": "geometry_msgs/PoseStamped",
-    "/odom": "nav_msgs/Odometry",
-    "/base_reference": "nav_msgs/Odometry",
-    "/imu": "sensor_msgs/Imu",
-    "/wheel_force": "std_msgs/Float64MultiArray",
-    "/wheel_slip": "std_msgs/Float64MultiArray",
-    "/wheel_residual": "std_msgs/Float64MultiArray",
-    "/rosout": "rcl_interfaces/Log",
-}
-_SIGNAL_TYPE = "std_msgs/Bool"
+PIECE = 100_000_000
+"""Simulated time, ns, after which what was recorded is handed to the operating system; a killed run loses no more."""
 
 
 class Recorder:
     """A `signals.Sink` that writes an MCAP file of ROS 2 messages.
 
     The file holds simulated time only, so that equal runs give equal files, to the byte. Use it as a context
-    manager: the file is complete however the block is left.
+    manager: the file is complete however the block is left. It grows by a chunk for each 0.1 s of simulated time, so
+    that what a killed process leaves can be read up to there.
 
     Parameters
     ----------
@@ -78,94 +38,114 @@ class Recorder:
     joint_names
         Names of the axes or wheels, in the order of the arrays in the records.
     tool
-        Which of the frames also goes to `/tool_pose`.
+        Which of the frames also goes to `/truth/tool_pose`.
+    robot
+        Name of the robot where there are several: its topics are `/<robot>/...`, its joints `<robot>.<joint>`, its
+        frames `<robot>/<frame>`. `scoped` gives sinks for the others.
+    attachments
+        Files that stand at the beginning, by name: what the run is of.
+    metadata
+        Words that stand there, too, by name.
+    topics
+        The table of signals.
 
     Raises
     ------
     OutputError
-        The file cannot be written.
+        The file cannot be made.
     """
 
-    __slots__ = (
-        "_array",
-        "_channels",
-        "_inertial",
-        "_odometry",
-        "_pose",
-        "_reference",
-        "_schemas",
-        "_state",
-        "_stream",
-        "_tool",
-        "_transforms",
-        "_writer",
-    )
+    __slots__ = ("_channels", "_flushed", "_own", "_schemas", "_stream", "_topics", "_writer")
 
-    def __init__(self, path: str | Path, joint_names: Sequence[str], *, tool: str = "tool") -> None:
-        try:
-            self._stream = open(path, "wb")  # noqa: SIM115  (closed in `close`)
-        except OSError as error:
-            raise OutputError(
-                f"cannot write the recording {path}: {error.strerror}; give a folder that can be written"
-            ) from error
-        names = tuple(joint_names)
-        self._state = joint_layout(JointMessage(names, arrays=3))
-        self._reference = joint_layout(JointMessage(names, arrays=2))
-        self._array = array_layout(len(names))
-        self._pose = pose_layout()
-        self._odometry = odometry_layout()
-        self._inertial = inertial_layout()
-        self._transforms = lru_cache(maxsize=64)(transform_layout)
-        self._tool = tool
-        self._writer = Writer(self._stream, compression=CompressionType.ZSTD)
-        self._writer.start(profile=Profile.ROS2, library="holonom")
+    def __init__(
+        self,
+        path: str | Path,
+        joint_names: Sequence[str] = (),
+        *,
+        tool: str = "tool",
+        robot: str = "",
+        attachments: Mapping[str, bytes] | None = None,
+        metadata: Mapping[str, Mapping[str, str]] | None = None,
+        topics: Sequence[Topic] = TOPICS,
+    ) -> None:
+        scope = Scope(robot, tuple(joint_names), tool)
+        self._stream = GrowingFile(Path(path))
+        self._topics = tuple(topics)
+        self._writer = Writer(self._stream, compression=CompressionType.ZSTD)  # type: ignore[arg-type]
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, int] = {}
+        self._flushed: int | None = None
+        self._own = _RobotSink(self, scope, self._topics)
+        try:
+            self._writer.start(profile=Profile.ROS2, library="holonom")
+            for name, data in (attachments or {}).items():
+                kind = mimetypes.guess_type(name)[0] or "application/octet-stream"
+                self._writer.add_attachment(0, 0, name, kind, data)
+            for name, words in (metadata or {}).items():
+                self._writer.add_metadata(name, dict(words))
+            self._writer.flush()  # type: ignore[no-untyped-call]
+        except OutputFault:
+            self._stream.close()
+            raise
 
     def put(self, record: Record) -> None:
-        """Take one record; see `holonom.signals.Sink`.
+        """Take one record; see `holonom.signals.Sink`. Once the disk is full nothing is taken any more.
 
         Raises
         ------
         ShapeError
             An array does not have one number per joint or wheel, or one pose per name.
+        UnknownName
+            A record that no topic is of.
+        OutputFault
+            The disk is full, or gone: once, at the first record that could not be kept.
         """
-        now = round(record.time * 1e9)
-        match record:
-            case JointState():
-                values = np.concatenate([record.position, record.velocity, record.effort])
-                self._write("/joint_states", now, self._state.pack(now, values))
-            case JointCommand():
-                values = np.concatenate([record.position, record.velocity])
-                self._write("/joint_reference", now, self._reference.pack(now, values))
-            case DriveState():
-                self._write("/motor_current", now, self._array.pack(now, record.current))
-                self._write("/motor_voltage", now, self._array.pack(now, record.voltage))
-            case BaseState():
-                values = odometry_values(record.pose, record.twist, record.covariance)
-                self._write("/odom", now, self._odometry.pack(now, values))
-            case BaseCommand():
-                values = odometry_values(record.pose, record.twist, np.zeros((3, 3)))
-                self._write("/base_reference", now, self._odometry.pack(now, values))
-            case Inertial():
-                self._write("/imu", now, self._inertial.pack(now, inertial_values(record.rate, record.acceleration)))
-            case WheelContact():
-                self._write("/wheel_force", now, self._array.pack(now, record.force))
-                self._write("/wheel_slip", now, self._array.pack(now, record.slip))
-                self._write("/wheel_residual", now, self._array.pack(now, record.residual))
-            case FramePoses():
-                self._put_frames(now, record)
-            case Signal():
-                self._write(f"/signals/{record.number}", now, CdrWriter().byte(record.on).message())
-            case Event():
-                self._write("/rosout", now, log_message(now, record))
-            case _:
-                assert_never(record)
+        self._own.put(record)
+
+    def scoped(self, robot: str, joint_names: Sequence[str], *, tool: str = "tool") -> Sink:
+        """Return the sink of another robot, which records into the same file."""
+        return _RobotSink(self, Scope(robot, tuple(joint_names), tool), self._topics)
+
+    def metadata(self, name: str, words: Mapping[str, str]) -> None:
+        """Write words beside the messages, such as how the run ended.
+
+        Raises
+        ------
+        OutputFault
+        """
+        if not self._stream.failed:
+            self._writer.add_metadata(name, dict(words))
+
+    def write(self, scope: Scope, topic: Topic, name: str, now: int, message: bytes) -> None:
+        """Write a message of a robot at a time, ns."""
+        if self._stream.failed:
+            return
+        if self._flushed is None:
+            self._flushed = now
+        elif now - self._flushed >= PIECE:
+            self._writer.flush()  # type: ignore[no-untyped-call]
+            self._flushed = now
+        called = scope.topic(topic, name)
+        if called not in self._channels:
+            self._channels[called] = self._channel(scope, topic, called)
+        self._writer.add_message(self._channels[called], log_time=now, data=message, publish_time=now)
 
     def close(self) -> None:
-        """Write what is still to be written, with the index, and close the file; again does nothing."""
-        if not self._stream.closed:
-            self._writer.finish()  # type: ignore[no-untyped-call]
+        """Write what is still to be written, with the index, and close the file; again does nothing.
+
+        Raises
+        ------
+        OutputFault
+            The disk is full, or gone.
+        """
+        if self._stream.closed:
+            return
+        try:
+            if not self._stream.failed:
+                self._writer.flush()  # type: ignore[no-untyped-call]
+                self._writer.finish()  # type: ignore[no-untyped-call]
+                self._stream.flush()
+        finally:
             self._stream.close()
 
     def __enter__(self) -> Self:
@@ -174,31 +154,54 @@ class Recorder:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self.close()
+        try:
+            self.close()
+        except OutputFault:
+            if error is None:
+                raise
 
-    def _put_frames(self, now: int, record: FramePoses) -> None:
-        values = _pose_rows(record.poses)
-        self._write("/tf", now, self._transforms(record.names).pack(now, values))
-        if self._tool in record.names:
-            tool = values[record.names.index(self._tool)]
-            self._write("/tool_pose", now, self._pose.pack(now, tool))
-
-    def _write(self, topic: str, now: int, message: bytes) -> None:
-        if topic not in self._channels:
-            self._channels[topic] = self._channel(topic, _TOPICS.get(topic, _SIGNAL_TYPE))
-        self._writer.add_message(self._channels[topic], log_time=now, data=message, publish_time=now)
-
-    def _channel(self, topic: str, kind: str) -> int:
-        if kind not in self._schemas:
-            name = kind.replace("/", "/msg/")
-            text = schema_text(kind).encode()
-            self._schemas[kind] = self._writer.register_schema(name, SchemaEncoding.ROS2, text)
-        return self._writer.register_channel(topic, MessageEncoding.CDR, self._schemas[kind])
+    def _channel(self, scope: Scope, topic: Topic, called: str) -> int:
+        if topic.type not in self._schemas:
+            text = schema_text(topic.type).encode()
+            schema_name = topic.type.replace("/", "/msg/")
+            self._schemas[topic.type] = self._writer.register_schema(schema_name, SchemaEncoding.ROS2, text)
+        said = {"kind": str(topic.kind), "units": topic.units, "frame": topic.frame, "meaning": topic.meaning}
+        said["robot"] = "" if topic.shared else scope.robot
+        schema = self._schemas[topic.type]
+        return self._writer.register_channel(called, MessageEncoding.CDR, schema, said)
 
 
-def _pose_rows(poses: Array) -> Array:
-    """Rows (k, 7), x y z and quaternion x y z w, of poses (k, 4, 4)."""
-    rows = np.empty((len(poses), 7))
-    rows[:, :3] = poses[:, :3, 3]
-    rows[:, 3:] = Rotation.from_matrix(poses[:, :3, :3]).as_quat(canonical=True)
-    return rows
+class _RobotSink:
+    """The records of one robot. A digital signal that is first heard of when it changes was the opposite before."""
+
+    __slots__ = ("_begin", "_encoders", "_heard", "_recorder", "_scope")
+
+    def __init__(self, recorder: Recorder, scope: Scope, topics: Sequence[Topic]) -> None:
+        self._recorder, self._scope = recorder, scope
+        self._encoders: dict[type[Record], list[tuple[Topic, Encode]]] = {}
+        self._begin: float | None = None
+        self._heard: set[int] = set()
+        for topic in topics:
+            encode = CODECS[topic.type].encoder(topic, scope)
+            self._encoders.setdefault(topic.record, []).append((topic, encode))
+
+    def put(self, record: Record) -> None:
+        if type(record) not in self._encoders:
+            raise UnknownName("record", type(record).__name__, [kind.__name__ for kind in self._encoders])
+        if self._begin is None:
+            self._begin = record.time
+        if isinstance(record, Signal) and record.number not in self._heard:
+            self._heard.add(record.number)
+            if record.time > self._begin:
+                self.put(Signal(self._begin, record.number, not record.on))
+        now = round(record.time * 1e9)
+        for topic, encode in self._encoders[type(record)]:
+            message = encode(now, record)
+            if message is not None:
+                name = _open(topic.name, record) if "{" in topic.name else topic.name
+                self._recorder.write(self._scope, topic, name, now, message)
+
+
+def _open(name: str, record: Any) -> str:
+    """Name of a topic with the record's fields in their braces."""
+    return name.format_map({field: getattr(record, field) for field in type(record).__dataclass_fields__})

@@ -1,16 +1,24 @@
-"""A recording as arrays."""
+"""Topics of a recording as arrays."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.signals import Event, Signal
-
-__all__ = ["BaseTrack", "ContactTrack", "DriveTrack", "FrameTrack", "JointTrack", "Recording"]
+__all__ = [
+    "BaseTrack",
+    "ContactTrack",
+    "CountTrack",
+    "DriveTrack",
+    "FrameTrack",
+    "InertialTrack",
+    "JointTrack",
+    "Track",
+]
 
 Array = NDArray[np.float64]
 
@@ -86,26 +94,26 @@ class ContactTrack:
 
 
 @dataclass(frozen=True, slots=True)
-class Recording:
-    """All that a run recorded; tracks have their own times, and are empty (N = 0) where nothing came."""
+class CountTrack:
+    """Encoders over time: `time` (N,) in s, `count` (N, n) integers since the start."""
 
-    joint_names: tuple[str, ...]
-    joints: JointTrack
-    reference: JointTrack
-    drives: DriveTrack
-    base: BaseTrack
-    base_reference: BaseTrack
-    contacts: ContactTrack
-    tool: FrameTrack
-    frames: Mapping[str, FrameTrack]
-    signals: tuple[Signal, ...]
-    events: tuple[Event, ...]
+    time: Array
+    count: NDArray[np.int64]
 
-    def end(self) -> float:
-        """Time of the last record, s; 0 for an empty recording."""
-        times = [self.joints.time, self.reference.time, self.drives.time, self.base.time, self.contacts.time]
-        times += [frame.time for frame in self.frames.values()]
-        last = [float(time[-1]) for time in times if len(time)]
-        last += [signal.time for signal in self.signals[-1:]]
-        last += [event.time for event in self.events[-1:]]
-        return max(last, default=0.0)
+
+@dataclass(frozen=True, slots=True)
+class InertialTrack:
+    """Gyro and accelerometers over time: `time` (N,) in s, `rate` (N,) in rad/s, `acceleration` (N, 2) in m/s^2."""
+
+    time: Array
+    rate: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """Any topic over time: `time` (N,) in s, each of the record's `fields` (N, ...), and names of its joints."""
+
+    time: Array
+    fields: Mapping[str, NDArray[Any]]
+    names: tuple[str, ...] = ()

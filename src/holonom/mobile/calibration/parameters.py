@@ -3,7 +3,7 @@
 The motion matrix M (3, f) turns the features of a sample (wheel turns; of a steered wheel turn times cosine and turn
 times sine of its angle) into the increment of the base. Two sets for each drive: `physical`, what a data sheet states,
 and `extended`, which also finds the place of the frame that the truth is of (a marker is never quite on the base's
-frame), the angle of mecanum rollers, and of an omni drive every wheel's own direction and lever.
+frame), the angle of mecanum rollers, and of an omni3 drive every wheel's own direction and lever.
 """
 
 from __future__ import annotations
@@ -58,6 +58,8 @@ class _Wheels:
 
 
 _DEG = np.pi / 180.0
+_ANY = {f"omni{count}_any": count for count in (3, 4, 5, 6)}
+"""Wheels of the drives whose axes stand at angles of their own."""
 _FRAME = ("frame_ahead", "frame_left", "frame_yaw")
 _WHEELED = {
     "differential": _Wheels(("left", "right"), "wheelbase", 0.5, (0.0, 0.0), (-1.0, 1.0)),
@@ -71,9 +73,18 @@ _WHEELED = {
     ),
 }  # fmt: skip
 
+
+def _numbered(count: int) -> tuple[str, ...]:
+    return tuple(f"wheel_{k + 1}" for k in range(count))
+
+
 DRIVES = {
     **{name: (w.lever, *(f"diameter_{wheel}" for wheel in w.wheels)) for name, w in _WHEELED.items()},
     "tricycle": ("wheelbase", "diameter", "steering_offset"),
+    **{
+        name: ("wheel_distance", *(f"{what}_{wheel}" for what in ("diameter", "axis") for wheel in _numbered(count)))
+        for name, count in _ANY.items()
+    },
 }
 """Physical parameters of each drive that can be calibrated.
 
@@ -82,6 +93,8 @@ DRIVES = {
 - omni3: omni wheels at -60, 60 and 180 degrees, `wheel_distance` from the middle; positive drives counter-clockwise.
 - mecanum: rollers of the wheels seen from above make an X; forward is positive. `wheelbase_plus_track` is the distance
   between axles plus that between left and right wheels.
+- omni3_any to omni6_any: omni wheels at `wheel_distance` from the middle, their axes pointing outwards at the angles
+  `axis_wheel_1`, ..., which are taken as stated and not calibrated; positive drives counter-clockwise.
 """
 
 
@@ -94,6 +107,8 @@ def wheels_of(drive: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """
     if drive not in DRIVES:
         raise UnknownName("drive that can be calibrated", drive, DRIVES)
+    if drive in _ANY:
+        return _numbered(_ANY[drive]), ()
     return (("front",), ("front",)) if drive == "tricycle" else (_WHEELED[drive].wheels, ())
 
 
@@ -129,36 +144,52 @@ def drive_parameters(drive: str, nominal: Mapping[str, float], set_name: str = "
         )
     values = np.array([float(nominal[name]) for name in DRIVES[drive]])
     for name, value in zip(DRIVES[drive], values, strict=True):
-        if not np.isfinite(value) or (value <= 0.0 and name != "steering_offset"):
+        angle = name == "steering_offset" or name.startswith("axis_")
+        if not np.isfinite(value) or (value <= 0.0 and not angle):
             raise OutOfLimits(f"{name} {value} came; a length above zero is allowed")
     if set_name == "extended" and drive == "omni3":
         return _each_wheel(drive, values)
-    plain = _tricycle(values) if drive == "tricycle" else _wheeled(drive, values)
+    makes = {"tricycle": _tricycle, **dict.fromkeys(_ANY, _any)}
+    plain = makes.get(drive, _wheeled)(drive, values)
     if set_name == "physical":
         return plain
     return _framed(_rollers(plain) if drive == "mecanum" else plain)
 
 
 def _wheeled(drive: str, nominal: Array) -> DriveParameters:
-    """Common lever L, one diameter per wheel."""
     kind = _WHEELED[drive]
     a, h = np.array(kind.directions), np.array(kind.turning)
-    rows = 0.5 * np.stack([kind.gain * np.cos(a), kind.gain * np.sin(a), h])
+    return _levered(drive, nominal, 0.5 * np.stack([kind.gain * np.cos(a), kind.gain * np.sin(a), h]))
+
+
+def _any(drive: str, nominal: Array) -> DriveParameters:
+    """Rims run at `(-sin a, cos a, L) (vx, vy, w)`; the increment is the one that fits all wheels best."""
+    count = _ANY[drive]
+    axes = nominal[1 + count :]
+    coupling = np.stack([-np.sin(axes), np.cos(axes), np.ones(count)], axis=1)
+    if np.linalg.cond(coupling) > 1e6:
+        raise CalibrationError(f"axes at {axes.tolist()} rad came; wheels at angles that drive all ways are allowed")
+    return _levered(drive, nominal[: 1 + count], 0.5 * np.linalg.pinv(coupling))
+
+
+def _levered(drive: str, nominal: Array, rows: Array) -> DriveParameters:
+    """Common lever L, one diameter per wheel: increments are rows (3, n) times diameters, the turn over L."""
+    count = rows.shape[1]
 
     def matrix(p: Array) -> Array:
         return rows * p[1:] / np.array([[1.0], [1.0], [p[0]]])
 
     def slopes(p: Array) -> Array:
-        M, out = matrix(p), np.zeros((3, len(a), len(p)))
+        M, out = matrix(p), np.zeros((3, count, len(p)))
         out[2, :, 0] = -M[2] / p[0]
-        for j in range(len(a)):
+        for j in range(count):
             out[:, j, 1 + j] = M[:, j] / p[1 + j]
         return out
 
-    return DriveParameters(drive, "physical", DRIVES[drive], nominal, nominal, matrix, slopes)
+    return DriveParameters(drive, "physical", DRIVES[drive][: 1 + count], nominal, nominal, matrix, slopes)
 
 
-def _tricycle(nominal: Array) -> DriveParameters:
+def _tricycle(drive: str, nominal: Array) -> DriveParameters:
     """Wheel's way s at angle `a = steering + offset`: forwards `s cos a`, turn `s sin a / L`."""
     turned = np.array([[0.0, -1.0], [1.0, 0.0]])
 
@@ -175,7 +206,7 @@ def _tricycle(nominal: Array) -> DriveParameters:
         return out
 
     scale = np.array([nominal[0], nominal[1], 1.0])
-    return DriveParameters("tricycle", "physical", DRIVES["tricycle"], nominal, scale, matrix, slopes)
+    return DriveParameters(drive, "physical", DRIVES[drive], nominal, scale, matrix, slopes)
 
 
 def _rollers(plain: DriveParameters) -> DriveParameters:

@@ -1,0 +1,90 @@
+"""Our own recordings of bases as logs: encoder counts, the true pose, and what the recording says of its wheels."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.app.odometry_log.checks import check_motion, check_time, part_names
+from holonom.app.odometry_log.log import OdometryLog
+from holonom.app.odometry_log.table import Table
+from holonom.app.recording import CUT_OFF, Recording, read_recording
+from holonom.app.recording.pieces import read_pieces
+from holonom.app.recording.robot import BaseDescription, base_of
+from holonom.errors import InputError, LogError
+from holonom.mobile.calibration import Run, drive_parameters, wheels_of
+from holonom.mobile.odometry import angle_per_tick, count_differences
+
+__all__ = ["read_own"]
+
+Array = NDArray[np.float64]
+
+CORNERS = np.array([[1.0, -1.0], [1.0, 1.0], [1.0, 1.0], [1.0, -1.0]])
+"""Rim speeds of mecanum wheels, front left, front right, rear left, rear right, per (vx, vy)."""
+
+
+def read_own(path: Path) -> OdometryLog | None:
+    """Read a recording of a run, of several robots the first base; None where a file says nothing of a base.
+
+    Raises
+    ------
+    LogError
+        A base that cannot be calibrated, or a recording without counts.
+    """
+    try:
+        pieces = read_pieces(path)
+        for robot in dict.fromkeys(said.robot for said in pieces.topics) or [""]:
+            base = base_of(pieces.metadata, robot)
+            if base is not None:
+                break
+        else:
+            return None
+        recording = read_recording(path, robot=robot)
+    except InputError as error:
+        raise LogError(str(error)) from None
+    drive, nominal = _drive(path, base)
+    table, turns = _table(path, recording, base)
+    (table,), notes = check_time(table, allow_gaps=False, running=True)
+    truth = table.values[:, -3:]
+    name = part_names(path, 1)[0]
+    run = Run(name, table.column("time"), turns, truth, np.empty((len(turns), 0)))
+    doubts = check_motion(table, run, drive_parameters(drive, nominal), base.wheels)
+    cut = (f"{path} was cut off; what is there is taken",) if recording.ended == CUT_OFF else ()
+    return OdometryLog(path, drive, nominal, None, (run,), (*cut, *notes, *doubts))
+
+
+def _table(path: Path, recording: Recording, base: BaseDescription) -> tuple[Table, Array]:
+    """Counts and true poses as a table, and by how much the wheels turned in each sample, rad."""
+    counts, truth = recording.counts, recording.true_base
+    count = min(len(counts.time), len(truth.time))
+    if count < 2:
+        raise LogError(f"{path}: {count} samples of encoder counts and true poses; record a run of two or more")
+    if not np.array_equal(counts.time[:count], truth.time[:count]):
+        raise LogError(f"{path}: counts and true poses are of different times; record them together")
+    values = np.column_stack([counts.time[:count], counts.count[:count], truth.pose[:count]])
+    table = Table(path, ("time", *base.wheels, "x", "y", "theta"), values, range(1, count + 1))
+    ticks = count_differences(counts.count[:count].astype(np.float64))
+    ticks[0] = 0.0
+    return table, np.ascontiguousarray(ticks * angle_per_tick(base.counts_per_turn, base.gear_ratio))
+
+
+def _drive(path: Path, base: BaseDescription) -> tuple[str, dict[str, float]]:
+    """Which drive a base is, and its nominal numbers."""
+    rows, count = np.array(base.rows), len(base.wheels)
+    drive, lever, axes = "", 0.0, np.empty(0)
+    if count == 4 and np.allclose(rows[:, :2], CORNERS) and np.ptp(np.abs(rows[:, 2])) < 1e-9:
+        drive, lever = "mecanum", 2.0 * abs(rows[0, 2])
+    elif count == 2 and np.allclose(rows[:, :2], [1.0, 0.0]) and rows[0, 2] < 0.0 < rows[1, 2]:
+        drive, lever = "differential", rows[1, 2] - rows[0, 2]
+    elif 3 <= count <= 6 and np.allclose(np.hypot(*rows[:, :2].T), 1.0) and np.ptp(rows[:, 2]) < 1e-9 < rows[0, 2]:
+        drive, lever, axes = f"omni{count}_any", rows[0, 2], np.arctan2(-rows[:, 0], rows[:, 1]) % (2.0 * math.pi)
+    else:
+        raise LogError(f"{path}: its base has {count} driven wheels as none of the drives that can be calibrated")
+    wheels, _ = wheels_of(drive)
+    known = {f"diameter_{name}": 2.0 * radius for name, radius in zip(wheels, base.radii, strict=True)}
+    known |= {f"axis_{name}": float(axis) for name, axis in zip(wheels, axes, strict=False)}
+    names = {"mecanum": "wheelbase_plus_track", "differential": "wheelbase"}
+    return drive, {names.get(drive, "wheel_distance"): float(lever), **known}

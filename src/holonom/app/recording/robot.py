@@ -1,0 +1,85 @@
+"""The words of a recording that say which base it is of: wheels, encoders, gear, as its data sheet has them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from holonom.errors import InputError
+from holonom.mobile import WheelBase
+
+__all__ = ["ROBOT", "BaseDescription", "base_of", "base_words"]
+
+ROBOT = "robot"
+"""Name of the words."""
+
+
+@dataclass(frozen=True, slots=True)
+class BaseDescription:
+    """What a recording says of its base, nominal.
+
+    Attributes
+    ----------
+    wheels
+        Names of the driven wheels, as the joints are called.
+    radii
+        Theirs, m.
+    rows
+        Rim speed of each (m/s) per (vx, vy, w), a row (3,) each.
+    counts_per_turn, gear_ratio
+        Of the encoder's shaft, and turns of that shaft per turn of a wheel.
+    """
+
+    wheels: tuple[str, ...]
+    radii: tuple[float, ...]
+    rows: tuple[tuple[float, float, float], ...]
+    counts_per_turn: int
+    gear_ratio: float
+
+
+def base_words(
+    base: WheelBase, counts_per_turn: int, gear_ratio: float, *, robot: str = ""
+) -> dict[str, dict[str, str]]:
+    """Return the words for a base, as `Recorder` takes them; of several robots each has words of its own name."""
+    rows = base.velocity_coupling * [1.0, 1.0, base.radius]
+    said = {
+        "name": base.name,
+        "wheels": list(base.driven),
+        "radii": base.wheel_radii.tolist(),
+        "rows": rows.tolist(),
+        "counts_per_turn": counts_per_turn,
+        "gear_ratio": gear_ratio,
+    }
+    return {_name(robot): {"kind": "base", "description": json.dumps(said)}}
+
+
+def base_of(metadata: Mapping[str, Mapping[str, str]], robot: str = "") -> BaseDescription | None:
+    """Return what the words of a recording say of a base; None where they say nothing.
+
+    Raises
+    ------
+    InputError
+        Words that cannot be read.
+    """
+    words = metadata.get(_name(robot), {})
+    if words.get("kind") != "base":
+        return None
+    try:
+        said = json.loads(words["description"])
+        rows = np.array(said["rows"], dtype=np.float64).reshape(len(said["wheels"]), 3)
+        return BaseDescription(
+            wheels=tuple(said["wheels"]),
+            radii=tuple(float(radius) for radius in said["radii"]),
+            rows=tuple((float(x), float(y), float(turn)) for x, y, turn in rows),
+            counts_per_turn=int(said["counts_per_turn"]),
+            gear_ratio=float(said["gear_ratio"]),
+        )
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"the recording's words on its robot cannot be read ({error}); record it again") from None
+
+
+def _name(robot: str) -> str:
+    return f"{robot}/{ROBOT}" if robot else ROBOT

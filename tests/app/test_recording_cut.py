@@ -1,0 +1,258 @@
+"""What is left of a recording: of a killed run, on a full disk, after damage."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mcap.exceptions import McapError
+from mcap.records import Channel, Message
+from mcap.stream_reader import StreamReader
+
+from holonom.app.recording import COMPLETE, CUT_OFF, Recorder, read_recording
+from holonom.errors import InputError, OutputFault
+from holonom.signals import EncoderCounts, Event, JointState
+
+FAULTS = Path(os.environ.get("HOLONOM_DATA", "../shared/data")) / "faults"
+BOUND = 0.1
+"""s of simulated time that a killed run may lose."""
+
+WRITER = """
+import os, sys, numpy as np
+from holonom.app.recording import Recorder
+from holonom.signals import EncoderCounts, JointState
+
+def run(path):
+    rng = np.random.default_rng(0)
+    with Recorder(path, ("a", "b", "c"), attachments={"cell.json": b"{}"}) as recorder:
+        k = 0
+        while True:
+            t = 0.01 * k
+            recorder.put(JointState(t, *rng.normal(size=(3, 3))))
+            recorder.put(EncoderCounts(t, np.array([k, k, k])))
+            os.write(1, f"{t:.2f}\\n".encode())
+            k += 1
+
+for line in sys.stdin:
+    child = os.fork()
+    if child == 0:
+        run(line.strip())
+    os.write(1, f"pid {child}\\n".encode())
+    os.waitpid(child, 0)
+    os.write(1, b"killed\\n")
+"""
+
+
+class Writers:
+    """A process that starts runs, one after the other, to be killed."""
+
+    def __init__(self) -> None:
+        pipe = subprocess.PIPE
+        self.process = subprocess.Popen([sys.executable, "-c", WRITER], stdin=pipe, stdout=pipe, text=True)
+
+    def kill_a_run(self, path: Path, after: float) -> float:
+        """Kill a run; return the last simulated time of which both records were taken."""
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        print(path, file=self.process.stdin, flush=True)
+        times, pid = [], None
+        while len(times) < 2 or pid is None:
+            line = self.process.stdout.readline()
+            if line.startswith("pid"):
+                pid = int(line.split()[1])
+            else:
+                times.append(float(line))
+        time.sleep(after)
+        os.kill(pid, signal.SIGKILL)
+        while (line := self.process.stdout.readline()) != "killed\n":
+            times.append(float(line))
+        return times[-1]
+
+
+def by_mcap(path: Path) -> dict[str, float]:
+    """Last time of each topic, s, by the library's own reader of unfinished files."""
+    names, last = {}, {}
+    with path.open("rb") as stream:
+        try:
+            for record in StreamReader(stream).records:
+                if isinstance(record, Channel):
+                    names[record.id] = record.topic
+                elif isinstance(record, Message):
+                    last[names[record.channel_id]] = record.log_time / 1e9
+        except McapError:
+            pass
+    return last
+
+
+def test_a_killed_run_can_be_read(tmp_path: Path) -> None:
+    rng, writers = random.Random(5), Writers()
+    for k in range(20):
+        path = tmp_path / f"{k}.mcap"
+        reached = writers.kill_a_run(path, rng.uniform(0.0, 0.1))
+        read = read_recording(path)
+        assert read.ended == CUT_OFF
+        assert read.end() >= reached - BOUND - 1e-9
+        assert read.attachments == {"cell.json": b"{}"}
+        counts = read.counts
+        assert counts.count[:, 0].tolist() == list(range(len(counts.time)))
+        assert min(by_mcap(path).values()) >= reached - BOUND - 1e-9
+    writers.process.communicate()
+
+
+def write(path: Path, ticks: int = 100) -> Path:
+    with Recorder(path, ("a",), attachments={"cell.json": b"[1]"}, metadata={"robot": {"drive": "omni"}}) as recorder:
+        for k in range(ticks):
+            recorder.put(JointState(0.01 * k, *np.full((3, 1), float(k))))
+        recorder.metadata("outcome", {"outcome": "done"})
+    return path
+
+
+def test_attachments_and_metadata_come_back(tmp_path: Path) -> None:
+    read = read_recording(write(tmp_path / "r.mcap"))
+    assert read.ended == COMPLETE
+    assert read.attachments == {"cell.json": b"[1]"}
+    assert read.metadata == {"robot": {"drive": "omni"}, "outcome": {"outcome": "done"}}
+
+
+def test_cut_at_every_place(tmp_path: Path) -> None:
+    """What is there before the cut comes back; nothing is made up."""
+    data = write(tmp_path / "r.mcap").read_bytes()
+    before = 0
+    for size in range(len(data) - 1, 30, -37):
+        (tmp_path / "cut.mcap").write_bytes(data[:size])
+        read = read_recording(tmp_path / "cut.mcap")
+        assert read.ended == CUT_OFF
+        values = read.joints.position.ravel().tolist()
+        assert values == [float(k) for k in range(len(values))]
+        before = max(before, len(values))
+    assert before == 100
+    for tail in (b"\0" * 100, b"\xff" * 100, bytes(range(100))):
+        (tmp_path / "tail.mcap").write_bytes(data[: len(data) // 2] + tail)
+        assert read_recording(tmp_path / "tail.mcap").ended == CUT_OFF
+
+
+def read_or_said(path: Path) -> tuple[list[float], str]:
+    """Positions, or the sentence instead."""
+    try:
+        return read_recording(path).joints.position.ravel().tolist(), ""
+    except InputError as error:
+        return [], str(error)
+
+
+def test_a_flipped_bit_is_never_believed(tmp_path: Path) -> None:
+    """Any bit of the chunks: the sentence says up to where the recording is sound."""
+    data = write(tmp_path / "r.mcap").read_bytes()
+    rng, refused = random.Random(1), 0
+    for _ in range(200):
+        broken = bytearray(data)
+        at = rng.randrange(len(data))
+        broken[at] ^= 1 << rng.randrange(8)
+        (tmp_path / "b.mcap").write_bytes(broken)
+        values, said = read_or_said(tmp_path / "b.mcap")
+        assert values == [float(k) for k in range(len(values))]
+        assert (str(tmp_path / "b.mcap") in said) == bool(said)
+        refused += bool(said)
+    assert refused > 20
+
+
+@pytest.mark.skipif(not FAULTS.exists(), reason="no shared data")
+def test_damaged_files_of_users() -> None:
+    for k in range(1, 5):
+        path = FAULTS / f"mcap_{k}.bin"
+        _, said = read_or_said(path)
+        if said:
+            assert "damaged" in said
+            assert "before that are sound" in said
+        else:
+            assert read_recording(path).ended == CUT_OFF
+
+
+class Full:
+    """A device that has room for so many bytes."""
+
+    def __init__(self, file, room: int) -> None:
+        self.file, self.room, self.closed = file, room, False
+
+    def write(self, data) -> int:
+        if self.room <= 0:
+            raise OSError(28, "No space left on device")
+        taken = self.file.write(bytes(data[: self.room]))
+        self.room -= taken
+        return taken
+
+    def fileno(self) -> int:
+        return self.file.fileno()
+
+    def close(self) -> None:
+        self.closed = True
+        self.file.close()
+
+
+@pytest.mark.parametrize("room", [0, 10, 3000, 9000])
+def test_full_disk(tmp_path: Path, room: int) -> None:
+    """One sentence at the first record that could not be kept; what was before is whole."""
+    path = tmp_path / "r.mcap"
+    recorder = Recorder(path, ("a",))
+    recorder._stream._file = Full(recorder._stream._file, room)
+    faults = []
+    for k in itertools.count():
+        try:
+            recorder.put(JointState(0.01 * k, *np.full((3, 1), float(k))))
+        except OutputFault as fault:
+            faults.append(str(fault))
+        if faults and k > 200:
+            break
+    recorder.put(Event(3.0, "error", "run", "the disk is full"))
+    recorder.metadata("outcome", {"outcome": "failed"})
+    recorder.close()
+    recorder.close()
+    assert len(faults) == 1
+    assert "No space left on device" in faults[0]
+    assert "is kept" in faults[0]
+    read = read_recording(path)
+    assert read.ended == CUT_OFF
+    values = read.joints.position.ravel().tolist()
+    assert values == [float(k) for k in range(len(values))]
+    assert len(values) % 10 == 0
+    assert bool(values) == (room >= 3000)
+
+
+def test_full_disk_at_the_start() -> None:
+    with pytest.raises(OutputFault, match="No space left"):
+        Recorder("/dev/full", ("a",))
+
+
+def test_full_disk_at_the_end(tmp_path: Path) -> None:
+    def run() -> None:
+        with Recorder(tmp_path / "r.mcap", ("a",)) as recorder:
+            recorder.put(EncoderCounts(0.0, np.array([1])))
+            recorder._stream._file = Full(recorder._stream._file, 100)
+
+    with pytest.raises(OutputFault, match="No space left"):
+        run()
+    assert read_recording(tmp_path / "r.mcap").ended == CUT_OFF
+
+
+def test_bytes_do_not_depend_on_the_clock(tmp_path: Path) -> None:
+    def slow(path: Path) -> bytes:
+        with Recorder(path, ("a",)) as recorder:
+            for k in range(30):
+                recorder.put(JointState(0.01 * k, *np.full((3, 1), float(k))))
+                time.sleep(0.002 if k % 7 == 0 else 0.0)
+        return path.read_bytes()
+
+    def fast(path: Path) -> bytes:
+        with Recorder(path, ("a",)) as recorder:
+            for k in range(30):
+                recorder.put(JointState(0.01 * k, *np.full((3, 1), float(k))))
+        return path.read_bytes()
+
+    assert slow(tmp_path / "a.mcap") == fast(tmp_path / "b.mcap")
