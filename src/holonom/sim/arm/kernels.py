@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from holonom.control.kernels import (
@@ -31,6 +30,7 @@ from holonom.devices.kernels import (
     gear_torque,
     tracking_step,
 )
+from holonom.trace.loops import loop
 from holonom.trace.pointer import call_kernel
 
 __all__ = ["CASCADE", "COMPUTED_TORQUE", "POSITION_TICK", "SPEED_TICK", "STOP", "advance"]
@@ -45,7 +45,7 @@ Floats = NDArray[np.float64]
 Records = NDArray[np.void]
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def advance(
     mode: int,
     plant: int,
@@ -114,7 +114,7 @@ def advance(
     return 0, 0, 0, touch
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _read_encoder(axis: Any, state: Any) -> None:
     """Counter, its 64-bit extension and the observer; the motor's own torque is the acceleration it knows of."""
     counter = encoder_counter(axis.encoder, axis.gear.ratio * state.position)
@@ -125,7 +125,7 @@ def _read_encoder(axis: Any, state: Any) -> None:
     state.angle, state.rate, state.load = after.angle, after.speed, after.load
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _watch(axis: Any, state: Any, reference: float) -> int:
     """Following error statistics (true position), and the limits as the controller sees them."""
     error = reference - state.position
@@ -135,13 +135,13 @@ def _watch(axis: Any, state: Any, reference: float) -> int:
     return axis_violation(axis.limits, reference, state.angle / ratio, state.rate / ratio, state.current)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _position_loop(axis: Any, state: Any, reference: float, speed: float) -> None:
     ratio = axis.gear.ratio
     state.speed_reference = position_step(axis.position, ratio * reference, ratio * speed, state.angle)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _speed_loop(axis: Any, state: Any, mode: int) -> None:
     wanted = 0.0 if mode == STOP else state.speed_reference
     state.current_reference, state.speed_integral = speed_step(
@@ -149,7 +149,7 @@ def _speed_loop(axis: Any, state: Any, mode: int) -> None:
     )
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _model_law(model: int, axes: Records, states: Records, reference: Floats, law: Floats) -> None:
     """tau = B(q) u + h(q, qd_ref): friction is fed forward along the reference, so that it does not chatter at rest."""
     n = states.shape[0]
@@ -173,7 +173,7 @@ def _model_law(model: int, axes: Records, states: Records, reference: Floats, la
         state.current_reference, state.saturated = torque_to_current(target[i], per_ampere, axis.speed.max_current)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _drive(axis: Any, state: Any) -> None:
     """Current loop, armature, motor friction and gear of one step."""
     speed = axis.gear.ratio * state.speed
@@ -189,7 +189,7 @@ def _drive(axis: Any, state: Any) -> None:
     state.peak_torque = max(state.peak_torque, abs(state.torque))
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _move(state: Any, acceleration: float, dt: float) -> None:
     """Semi-implicit Euler: speed first, then position with the new speed."""
     state.speed += dt * acceleration

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from holonom.trace.loops import loop
 from holonom.trace.simd import packed
 
 __all__ = ["log_body", "log_reference", "log_wheels"]
@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 Records = NDArray[np.void]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def log_reference(now: Floats, rate: float, row: Any) -> None:
     """Log the reference (9,) and the rate at which it advances."""
     row.ref_x, row.ref_y, row.ref_theta = now[0], now[1], now[2]
@@ -24,7 +24,7 @@ def log_reference(now: Floats, rate: float, row: Any) -> None:
     row.rate = rate
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def log_body(base: Any, gyro: float, imu_x: float, imu_y: float, row: Any) -> None:
     """Log true and estimated state of the body, what gyro and accelerometers measure, and the energies."""
     row.x, row.y, row.theta = base.x, base.y, base.theta
@@ -41,7 +41,7 @@ def log_body(base: Any, gyro: float, imu_x: float, imu_y: float, row: Any) -> No
     )
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def log_wheels(wheels: Records, states: Records, rows: Records) -> None:
     """Log all wheels, four in each row: motor, forces on the floor, slip."""
     for i in range(len(wheels)):

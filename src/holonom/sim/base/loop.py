@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from holonom.control.base_kernels import (
@@ -43,6 +42,7 @@ from holonom.sim.base.wheel_kernels import (
     watch_motors,
 )
 from holonom.trace.compiled import sincos
+from holonom.trace.loops import loop
 from holonom.trace.simd import WIDTH, load, packed, store
 
 __all__ = ["CUT_OFF", "DONE", "STOPPED", "LoopParams", "SensorParams", "drive_open", "run_loop"]
@@ -88,7 +88,7 @@ class LoopParams(NamedTuple):
     compensate: bool  # watch the motors, allocate without the dead
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def run_loop(
     params: LoopParams,
     sensors: SensorParams,
@@ -189,7 +189,7 @@ def run_loop(
     return len(body_log), DONE if phase > len(reference) - 1 else CUT_OFF, phase
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def drive_open(
     body: Records,
     state: Records,
@@ -214,7 +214,7 @@ def drive_open(
         plant_steps(body[0], base, wheels, states, passive)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _floor(floor: Records, patches: Records, base: Any, wheels: Records, states: Records, near: bool) -> bool:
     """Look up the material under each wheel, if a patch is near or was (`near`); whether one is."""
     s, c = sincos(base.theta)
@@ -233,7 +233,7 @@ def _floor(floor: Records, patches: Records, base: Any, wheels: Records, states:
     return near
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _estimate(
     params: EstimateParams,
     rows: Floats,
@@ -254,7 +254,7 @@ def _estimate(
     return twist
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _keep_path(params: KeepingParams, base: Any, reference: Floats) -> tuple[Planar, Planar]:
     pose = Planar(base.seen_x, base.seen_y, base.seen_theta)
     integral = Planar(base.integral_x, base.integral_y, base.integral_theta)
@@ -265,7 +265,7 @@ def _keep_path(params: KeepingParams, base: Any, reference: Floats) -> tuple[Pla
     return command, ahead
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _square(residual: Floats, rims: Floats) -> float:
     """Square sum, (m/s)^2, of what no twist explains of rim speeds."""
     total = 0.0
@@ -277,7 +277,7 @@ def _square(residual: Floats, rims: Floats) -> float:
     return total
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _no_slip(inverse: Floats, rims: Floats) -> SlipState:
     """Return the state that `slip_step` takes in silence: it trusts the twist of all wheels."""
     vx, vy, rw = 0.0, 0.0, 0.0
