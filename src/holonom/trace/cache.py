@@ -128,12 +128,16 @@ class Entry:
             say(f"{self.path} cannot be read ({problem.strerror}): compiled anew; set HOLONOM_CACHE to another folder")
             return None
         if hashlib.sha256(memoryview(data)[32:]).digest() != data[:32]:
-            say(f"{self.path.name} was damaged: compiled anew and replaced; if this comes again, look at the disk")
+            self.say_damaged()
             return None
         with contextlib.suppress(OSError):  # when it was last used; where that cannot be written, nothing is removed
             os.utime(self.path, ns=(time.time_ns(), self.path.stat().st_mtime_ns))
         self._hold()
         return data[32:]
+
+    def say_damaged(self) -> None:
+        """Say that what was read is no kernel."""
+        say(f"{self.path.name} was damaged: compiled anew and replaced; if this comes again, look at the disk")
 
     def write(self, data: bytes) -> None:
         """Write a file so that another process sees all of it or nothing, and keep the folder below its limit."""

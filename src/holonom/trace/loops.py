@@ -104,16 +104,16 @@ class _Kept(NullCache):
         entry = self._entry(sig, target_context.codegen())
         if entry is None:
             return None
-        data = entry.read()
-        if data is None:
+        found = _read(entry, target_context)
+        if found is None:
             entry.lock()
             self._locked[args] = entry
-            data = entry.read()
-        if data is None:
-            return None
-        self._unlock(args)
+            found = _read(entry, target_context)
+            if found is None:
+                return None
+            self._unlock(args)
         _log("loaded", self._title)
-        return CompileResult._rebuild(target_context, *pickle.loads(data))
+        return found
 
     def save_overload(self, sig: Any, data: Any) -> None:
         args, _ = sigutils.normalize_signature(sig)
@@ -156,6 +156,17 @@ class _Kept(NullCache):
             return None
         text = "\n".join([*_environment(), *map(str, codegen.magic_tuple()), *map(str, made_of)])
         return Entry(self._title, sha256(text.encode()).hexdigest()[:32])
+
+
+def _read(entry: Entry, target_context: Any) -> Any:
+    data = entry.read()
+    if data is None:
+        return None
+    try:
+        return CompileResult._rebuild(target_context, *pickle.loads(data))
+    except Exception:  # whatever Numba, LLVM and pickle find in what is whole, but not what they wrote
+        entry.say_damaged()
+        return None
 
 
 @functools.cache
