@@ -116,7 +116,7 @@ def _doctor(options: argparse.Namespace) -> Answer:
         return doctor.schema()
     if options.show_kernel is not None:
         return doctor.show_kernel(options.show_kernel)
-    return doctor.examine()
+    return doctor.empty_cache() if options.empty_cache else doctor.examine()
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -209,6 +209,7 @@ def _add_doctor(commands: Commands[argparse.ArgumentParser]) -> None:
     either.add_argument(
         "--show-kernel", metavar="NAME", help='print generated code, such as "puma560.inverse_dynamics"'
     )
+    either.add_argument("--empty-cache", action="store_true", help="remove all compiled kernels")
     either.add_argument("--schema", action="store_true", help="print the JSON Schema of cell files")
     _add_json(doctor)
     doctor.set_defaults(command=_doctor)
