@@ -130,7 +130,7 @@ def test_second_process_finds_the_machine_code(tmp_path: Path):
         "k = trace.compile(lambda a: [trace.sin(a[0]) * a[1]], {'a': 2}, {'y': 1}, name='cached')\n"
         "print(k(np.array([0.5, 2.0]))[0], k(np.full((3, 2), 0.5))[2, 0], k.address != 0)\n"
     )
-    environment = os.environ | {"HOLONOM_CACHE": str(tmp_path)}
+    environment = os.environ | {"HOLONOM_CACHE": str(tmp_path), "HOLONOM_CACHE_LOG": ""}
     first = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True)
     before = {p: p.stat().st_mtime_ns for p in tmp_path.rglob("*") if p.is_file()}
     second = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True)
@@ -163,6 +163,6 @@ def test_freshly_compiled_rows_equal_single_samples(tmp_path: Path):
         "rows = k(*x)\n"
         "print(np.abs(rows - [k(*row) for row in x.transpose(1, 0, 2).copy()]).max())\n"
     )
-    environment = os.environ | {"HOLONOM_CACHE": str(tmp_path)}
+    environment = os.environ | {"HOLONOM_CACHE": str(tmp_path), "HOLONOM_CACHE_LOG": ""}
     found = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True)
     assert float(found.stdout) < 1e-12

@@ -14,6 +14,7 @@ import sys
 import warnings
 from collections.abc import Callable
 from hashlib import sha256
+from types import CodeType
 from typing import Any
 
 import llvmlite
@@ -185,12 +186,24 @@ def _identity(value: Any, within: tuple[Any, ...] = ()) -> str | None:
         return sha256(dumps(value)).hexdigest()
     if function in within:
         return "itself"
-    code, made_of = function.__code__, _stamp(function)
+    made_of = _stamp(function)
     held = [_identity(cell.cell_contents, (*within, function)) for cell in function.__closure__ or ()]
     if made_of is None or None in held:
         return None
-    place = f"{function.__module__} {function.__qualname__} {code.co_firstlineno}"
-    return " ".join([place, made_of, sha256(code.co_code).hexdigest(), *map(str, held)])
+    return " ".join([function.__module__, function.__qualname__, made_of, _text(function.__code__), *map(str, held)])
+
+
+def _text(code: CodeType) -> str:
+    """What a function does, of several on one line or of a text run twice."""
+    constants = [
+        _text(value)
+        if isinstance(value, CodeType)
+        else repr(sorted(map(repr, value)))
+        if isinstance(value, frozenset)
+        else repr(value)
+        for value in code.co_consts
+    ]
+    return repr((code.co_firstlineno, code.co_code, code.co_names, code.co_freevars, constants))
 
 
 def _stamp(function: Any) -> str | None:
