@@ -40,7 +40,7 @@ def stamp(name: str, file: str) -> str | None:
 
 def stamp_of_text(text: str) -> str | None:
     """The same, of a module that has no file."""
-    found = _stamp(_closure(_named(text, ""), _homes("holonom", "")))
+    found = _stamp(_below(frozenset(_named(text, ""))))
     return found and hashlib.sha256((found + text).encode()).hexdigest()
 
 
@@ -48,6 +48,12 @@ def stamp_of_text(text: str) -> str | None:
 def sources(name: str, file: str) -> tuple[Module, ...]:
     """Every module that one is made of, itself first."""
     return _closure([name], _homes(name, file), {name: file})
+
+
+@functools.cache
+def _below(names: frozenset[str]) -> tuple[Module, ...]:
+    """Holonom's modules among these, and all that they are made of."""
+    return _closure(names, {"holonom": HOME})
 
 
 def imports(text: str, package: str) -> set[str]:
@@ -81,10 +87,10 @@ def _listed(text: str) -> Iterator[list[str]]:
 def _homes(name: str, file: str) -> dict[str, str]:
     """Folder for each first part of a name that is followed; "": for all others (what lies beside a script)."""
     first, *rest = name.split(".")
-    if first in ("holonom", "holonom_kernels"):
+    if first == "holonom":
         return {"holonom": HOME}
     package = os.path.basename(file) == "__init__.py"
-    folder = Path(file).parents[len(rest) + package] if file else Path()
+    folder = Path(file).parents[len(rest) + package]
     beside = not rest and not package and folder.name not in ("site-packages", "dist-packages")
     return {"holonom": HOME, "" if beside else first: str(folder)}
 
@@ -122,6 +128,7 @@ def _text(file: str) -> bytes:
     return Path(file).read_bytes()
 
 
+@functools.cache
 def _stamp(modules: tuple[Module, ...]) -> str | None:
     whole = hashlib.sha256()
     for name, file in sorted(modules):
