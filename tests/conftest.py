@@ -23,8 +23,10 @@ settings.load_profile("holonom")
 
 def pytest_configure(config: pytest.Config) -> None:
     """Let every process of the session, workers and programs too, write down which kernels it compiles and loads."""
-    del config
-    os.environ.setdefault("HOLONOM_CACHE_LOG", os.path.join(tempfile.mkdtemp(prefix="holonom-"), "kernels"))
+    if "HOLONOM_CACHE_LOG" not in os.environ:
+        folder = tempfile.TemporaryDirectory(prefix="holonom-")
+        config.add_cleanup(folder.cleanup)
+        os.environ["HOLONOM_CACHE_LOG"] = os.path.join(folder.name, "kernels")
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections import namedtuple
 from pathlib import Path
 
 import numpy as np
 import pytest
-from numba import float64
+from numba import float64, types
 
-from holonom.trace.loops import callback, loop
+from holonom.trace import simd
+from holonom.trace.loops import _identity, callback, loop
+from holonom.trace.sources import stamp
 
 
 @pytest.fixture(autouse=True)
@@ -62,6 +65,23 @@ def test_each_type_of_argument_has_its_own_code():
         assert np.array_equal(first(value), value + value)
     assert counts(first) == (0, len(values))
     assert counts(second) == (len(values), 0)
+
+
+def test_tuples_of_one_name_are_told_apart_by_their_fields():
+    def make():
+        return loop(lambda params: params.gain)
+
+    one, other = namedtuple("Params", "gain limit"), namedtuple("Params", "limit gain")
+    assert make()(one(1.0, 2.0)) == 1.0
+    assert make()(other(1.0, 2.0)) == 2.0
+    assert make()(other(1.0, 2.0)._replace(gain=3.0)) == 3.0
+
+
+def test_a_type_of_ours_brings_the_text_of_its_operators():
+    text = stamp("holonom.trace.simd", simd.__file__)
+    assert text
+    assert text in _identity(types.UniTuple(simd.pack, 2))
+    assert text not in _identity(types.UniTuple(types.float64, 2))
 
 
 def test_a_failed_compilation_lets_go_of_the_lock(tmp_path: Path):

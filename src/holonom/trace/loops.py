@@ -180,17 +180,34 @@ def _environment() -> tuple[str, ...]:
 def _identity(value: Any, within: tuple[Any, ...] = ()) -> str | None:
     """Text that is another one wherever a value would lead to other machine code; None if there is no such text."""
     if isinstance(value, types.Type):
-        return _identity(value.dispatcher) if isinstance(value, types.Dispatcher) else str(value)
+        return _identity_of_type(value)
     function = getattr(value, "py_func", getattr(value, "_defn", value))
     if not inspect.isfunction(function):
         return sha256(dumps(value)).hexdigest()
     if function in within:
         return "itself"
-    made_of = _stamp(function)
+    made_of = _stamp(function.__globals__, function.__code__.co_filename)
     held = [_identity(cell.cell_contents, (*within, function)) for cell in function.__closure__ or ()]
     if made_of is None or None in held:
         return None
     return " ".join([function.__module__, function.__qualname__, made_of, _text(function.__code__), *map(str, held)])
+
+
+def _identity_of_type(value: Any) -> str | None:
+    """Of what an argument is: names and order of fields, and the text that says what its operators do."""
+    if isinstance(value, types.Dispatcher):
+        return _identity(value.dispatcher)
+    parts: list[str | None] = [str(value)]
+    if isinstance(value, types.BaseTuple):
+        kinds: Any = value
+        parts += [_identity_of_type(each) for each in kinds]
+    made = getattr(value, "instance_class", None)
+    if made is not None:
+        parts.append(f"{made.__module__}.{made.__qualname__}{getattr(made, '_fields', '')}")
+    if not type(value).__module__.startswith("numba."):
+        module = sys.modules[type(value).__module__]
+        parts.append(_stamp(vars(module), module.__file__ or ""))
+    return None if None in parts else " ".join(map(str, parts))
 
 
 def _text(code: CodeType) -> str:
@@ -206,15 +223,14 @@ def _text(code: CodeType) -> str:
     return repr((code.co_firstlineno, code.co_code, code.co_names, code.co_freevars, constants))
 
 
-def _stamp(function: Any) -> str | None:
-    """Hash of all that a function can be made of; None where it has no file, or not the one that Python runs."""
-    names, file = function.__globals__, function.__code__.co_filename
+def _stamp(names: dict[str, Any], file: str) -> str | None:
+    """Hash of all that a module can be made of; None where it has no file, or not the one that Python runs."""
     if "__stamp__" in names:  # a generated module
         return names["__stamp__"]
     if not os.path.isfile(file):
         return None
     spec = names.get("__spec__")  # of a script that was started with -m: its real name
-    return stamp(spec.name if spec else function.__module__, os.path.abspath(file))
+    return stamp(spec.name if spec else names["__name__"], os.path.abspath(file))
 
 
 def _log(what: str, title: str) -> None:
