@@ -6,6 +6,7 @@ import functools
 import os
 import subprocess
 import sys
+import tempfile
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -18,6 +19,24 @@ ROOT = Path(__file__).resolve().parents[1]
 
 settings.register_profile("holonom", deadline=None, print_blob=True, max_examples=50)
 settings.load_profile("holonom")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Let every process of the session, workers and programs too, write down which kernels it compiles and loads."""
+    if "HOLONOM_CACHE_LOG" not in os.environ:
+        folder = tempfile.TemporaryDirectory(prefix="holonom-")
+        config.add_cleanup(folder.cleanup)
+        os.environ["HOLONOM_CACHE_LOG"] = os.path.join(folder.name, "kernels")
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """Of an unchanged tree, the second run compiles none (tests of compiling itself keep their own count)."""
+    log = Path(os.environ["HOLONOM_CACHE_LOG"])
+    lines = [line.split() for line in log.read_text("utf-8").splitlines()] if log.exists() else []
+    compiled = [title for what, title in lines if what == "compiled"]
+    terminalreporter.write_line(f"kernels: {len(compiled)} compiled, {len(lines) - len(compiled)} loaded")
+    for title in sorted(set(compiled))[:20]:
+        terminalreporter.write_line(f"  compiled {title}")
 
 
 @pytest.fixture(scope="session")

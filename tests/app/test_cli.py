@@ -159,6 +159,31 @@ def test_doctor_says_what_is_there(capsys: pytest.CaptureFixture[str]) -> None:
     assert data["cache"]["folder"] in text
 
 
+def test_doctor_shows_and_empties_the_kernel_cache(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("HOLONOM_CACHE", str(tmp_path))
+    monkeypatch.setenv("HOLONOM_CACHE_LIMIT", "3M")
+    (tmp_path / "a.loop-00ff.kernel").write_bytes(bytes(1000))
+    (tmp_path / "mine.txt").write_text("not a kernel")
+    assert main(["doctor", "--json"]) == 0
+    expected = {"folder": str(tmp_path), "kernels": 1, "size": 1000, "limit": 3 * 2**20}
+    assert json.loads(capsys.readouterr().out)["cache"] == expected
+    assert main(["doctor", "--empty-cache", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out) == {"removed": expected}
+    assert main(["doctor"]) == 0
+    assert f"{tmp_path} (0 kernels, 0.0 of at most 3 MiB)" in capsys.readouterr().out
+    assert [path.name for path in tmp_path.iterdir()] == ["mine.txt"]
+
+
+def test_a_limit_that_is_no_size_is_bad_input(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("HOLONOM_CACHE_LIMIT", "1 GB")
+    assert main(["doctor"]) == 2
+    assert "HOLONOM_CACHE_LIMIT is '1 GB'" in capsys.readouterr().err
+
+
 def test_doctor_says_what_is_missing(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     from holonom.app import doctor
 

@@ -6,7 +6,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from holonom.control import (
     CascadeGains,
@@ -39,6 +38,7 @@ from holonom.devices import (
     tracking_params,
     tracking_step,
 )
+from holonom.trace.loops import loop
 
 DT = 1e-4
 
@@ -144,7 +144,7 @@ def simulate(
     return Records(*out)
 
 
-@njit(cache=True)
+@loop
 def _loop(axis, q_ref, qd_ref, qdd_ref, loads, inner, out):
     nu = axis.gear.ratio
     q = q_ref[0]

@@ -7,7 +7,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from numba import njit
 from one_axis import DT, INERTIA, Axis, puma_axis
 
 from holonom.control import (
@@ -27,11 +26,12 @@ from holonom.devices import (
     tracking_step,
 )
 from holonom.errors import OutOfLimits
+from holonom.trace.loops import loop
 
 WEIGHT = 40.0  # N m, of the pendulum stretched out
 
 
-@njit(cache=True)
+@loop
 def _loop(axis, law, model_inertia, model_weight, q_ref, qd_ref, qdd_ref, max_current, weight, out):
     nu = axis.gear.ratio
     q, qd, current, voltage_integral, integral, wanted = q_ref[0], 0.0, 0.0, 0.0, 0.0, 0.0

@@ -27,7 +27,7 @@ def run(kernel, *columns):
 
 
 def simulate(code, tmp_path):
-    environment = os.environ | {"NUMBA_ENABLE_CUDASIM": "1", "HOLONOM_CACHE": str(tmp_path)}
+    environment = os.environ | {"NUMBA_ENABLE_CUDASIM": "1", "HOLONOM_CACHE": str(tmp_path), "HOLONOM_CACHE_LOG": ""}
     done = subprocess.run(
         [sys.executable, "-c", PRELUDE + code], env=environment, capture_output=True, text=True, check=False
     )

@@ -7,10 +7,10 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from numba import njit
 from numba.core.errors import TypingError
 
 from holonom.trace.compiled import arctan, select, sincos_half_turn
+from holonom.trace.loops import loop
 from holonom.trace.simd import any_of, chosen, largest, load, packed, spread, store, total
 
 RECORD = np.dtype(
@@ -45,9 +45,9 @@ OPERATIONS = {
 def test_a_pack_is_four_floats(name: str) -> None:
     """Each operation, over all pairs of special values: as NumPy's, bit by bit, NaN where it has NaN."""
     function, expected = OPERATIONS[name]
-    operation = njit(function)
+    operation = loop(function)
 
-    @njit(error_model="numpy")
+    @loop(error_model="numpy")
     def over(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
         for k in range(len(a) // 4):
             store(out, k, operation(load(a, k), load(b, k)))
@@ -62,7 +62,7 @@ def test_a_pack_is_four_floats(name: str) -> None:
 
 
 def test_a_number_counts_for_all_lanes_and_a_field_is_set_in_place() -> None:
-    @njit
+    @loop
     def step(records: np.ndarray) -> tuple[float, float, bool, bool]:
         for k in range(len(records)):
             own = packed(records[k])
@@ -86,7 +86,7 @@ def test_a_number_counts_for_all_lanes_and_a_field_is_set_in_place() -> None:
 
 
 def test_nothing_branches_on_a_pack() -> None:
-    @njit
+    @loop
     def branch(a: np.ndarray) -> float:
         return 1.0 if load(a, 0) > 0.0 else 0.0
 
@@ -97,7 +97,7 @@ def test_nothing_branches_on_a_pack() -> None:
 def _evaluate(function: object, x: np.ndarray) -> np.ndarray:
     """(N, 2) results (the second 0 where there is one only), by packs; as of floats, to rounding."""
 
-    @njit(error_model="numpy")
+    @loop(error_model="numpy")
     def over(x: np.ndarray, packs: np.ndarray, floats: np.ndarray) -> None:
         for k in range(len(x) // 4):
             a, b = function(load(x, k))  # type: ignore[operator]
@@ -115,7 +115,7 @@ def _evaluate(function: object, x: np.ndarray) -> np.ndarray:
 def test_arctangent() -> None:
     """Relative error over all magnitudes, at the borders of its intervals and beyond; signs, infinity, NaN."""
 
-    @njit
+    @loop
     def pair(x: float) -> tuple[float, float]:
         y = arctan(x)
         return y, y
@@ -148,7 +148,7 @@ def test_sine_and_cosine_of_a_half_turn() -> None:
 
 
 def test_lanes_of_two_packs_are_chosen_by_number() -> None:
-    @njit
+    @loop
     def over(a: np.ndarray, out: np.ndarray) -> None:
         store(out, 0, chosen(load(a, 0), load(a, 1), 0, 6, 5, 3))
         store(out, 1, chosen(load(a, 0), load(a, 1), 7, 7, 1, 0))

@@ -9,13 +9,15 @@ import os
 import platform
 import shutil
 from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from holonom import __version__
 from holonom.app.answer import Answer
 
-__all__ = ["examine", "schema", "show_kernel"]
+if TYPE_CHECKING:
+    from holonom.trace import CacheUse
+
+__all__ = ["empty_cache", "examine", "schema", "show_kernel"]
 
 NEEDED = ("numpy", "numba", "llvmlite", "scipy", "lark", "pydantic", "mcap", "rich")
 
@@ -32,20 +34,34 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 
 def examine() -> Answer:
     """Say which versions are there, which extras are complete, and where things lie; nothing heavy is imported."""
-    from holonom.trace import cache_folder
+    from holonom.trace import cache_use
 
     data = {
         "holonom": __version__,
         "python": platform.python_version(),
         "platform": platform.platform(),
         "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
-        "cache": _cache(cache_folder()),
+        "cache": _of_cache(cache_use()),
         "packages": {name: _version(name) for name in NEEDED},
         "extras": {extra: _missing(modules) for extra, modules in EXTRAS.items()},
         "browser": next(filter(None, map(shutil.which, BROWSERS)), None),
         "browser_driver": shutil.which("chromedriver"),
     }
     return Answer(_as_text(data), data)
+
+
+def empty_cache() -> Answer:
+    """Remove every compiled kernel; each is compiled again when it is needed.
+
+    Raises
+    ------
+    OutputError
+        The cache folder cannot be written.
+    """
+    from holonom.trace import empty_cache as empty
+
+    had = _of_cache(empty())
+    return Answer(f"removed from the kernel cache {_use_as_text(had)}", {"removed": had})
 
 
 def schema() -> Answer:
@@ -87,14 +103,18 @@ def _missing(modules: Mapping[str, str]) -> list[str]:
     return [name for module, name in modules.items() if importlib.util.find_spec(module) is None]
 
 
-def _cache(folder: Path) -> dict[str, Any]:
-    files = [path for path in folder.rglob("*") if path.is_file()] if folder.is_dir() else []
-    return {"folder": str(folder), "kernels": sum(path.suffix == ".py" for path in files)}
+def _of_cache(use: CacheUse) -> dict[str, Any]:
+    return use._asdict() | {"folder": str(use.folder)}
+
+
+def _use_as_text(cache: Mapping[str, Any]) -> str:
+    size, limit = (cache[key] / 2**20 for key in ("size", "limit"))
+    return f"{cache['folder']} ({cache['kernels']} kernels, {size:.1f} of at most {limit:.0f} MiB)"
 
 
 def _as_text(data: Mapping[str, Any]) -> str:
     rows = [("holonom", data["holonom"]), ("python", data["python"]), ("platform", data["platform"])]
-    rows += [("cores", data["cores"]), ("kernel cache", "{folder} ({kernels} kernels)".format(**data["cache"]))]
+    rows += [("cores", data["cores"]), ("kernel cache", _use_as_text(data["cache"]))]
     rows += [(name, version or "missing: pip install holonom") for name, version in data["packages"].items()]
     for extra, missing in data["extras"].items():
         lacks = f"lacks {', '.join(missing)}: pip install 'holonom[{extra}]'"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from holonom.devices.drive_signals import JointSignals
@@ -11,6 +10,7 @@ from holonom.machine.arm.kernels import STOP, servo_step
 from holonom.machine.arm.records import ServoTiming
 from holonom.sim.arm.kernels import arm_step, compare, sense
 from holonom.trace.borrow import borrowed
+from holonom.trace.loops import loop
 
 __all__ = ["run_reference"]
 
@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 Records = NDArray[np.void]
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def run_reference(
     mode: int,
     timing: ServoTiming,

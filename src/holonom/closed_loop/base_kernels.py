@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from holonom.devices.drive_signals import WheelSignals
@@ -20,6 +19,7 @@ from holonom.machine.base.params import BaseParams, BaseTask, Work
 from holonom.sim.base.log_kernels import log_body, log_wheels
 from holonom.sim.base.step_kernels import BasePlantParams, advance
 from holonom.trace.borrow import borrowed
+from holonom.trace.loops import loop
 
 __all__ = ["LogBuffer", "joined", "run_logged", "run_ticks"]
 
@@ -50,7 +50,7 @@ def joined(logs: Sequence[LogBuffer]) -> LogBuffer:
     )
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def run_logged(
     params: BaseParams,
     task: BaseTask,
@@ -80,7 +80,7 @@ def run_logged(
     return len(log.body)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def run_ticks(
     params: BaseParams,
     task: BaseTask,

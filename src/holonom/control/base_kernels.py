@@ -10,10 +10,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from holonom.trace.compiled import select, sincos
+from holonom.trace.loops import loop
 
 __all__ = [
     "JAMMED",
@@ -113,7 +113,7 @@ class Suspicion(NamedTuple):
     jam: float
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def keeping_step(
     params: KeepingParams, reference: Floats, pose: Planar, turn_rate: float, integral: Planar, before: Planar
 ) -> tuple[Planar, Planar, Planar]:
@@ -160,7 +160,7 @@ def keeping_step(
     return command, ahead, Planar(ix, iy, it)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def line_keeping_step(
     params: KeepingParams, reference: Floats, pose: Planar, before: Planar
 ) -> tuple[Planar, Planar, Planar]:
@@ -188,7 +188,7 @@ def line_keeping_step(
     return command, Planar(reference[6], 0.0, reference[8]), Planar(0.0, 0.0, 0.0)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def wanted_acceleration(params: KeepingParams, command: Planar, twist: Planar, ahead: Planar) -> Planar:
     """Acceleration (base_link axes) that the drive forces aim at: fed forward plus velocity error, limited."""
     ax, ay = _shorten(
@@ -200,7 +200,7 @@ def wanted_acceleration(params: KeepingParams, command: Planar, twist: Planar, a
     return Planar(ax, ay, turn)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def allocation(rows: Floats, weights: Floats, out: Floats) -> None:
     """Fill `out` (m, 3): rim forces (N) per force and torque on the base, `f = W D (D^T W D)^-1 F`.
 
@@ -222,7 +222,7 @@ def allocation(rows: Floats, weights: Floats, out: Floats) -> None:
             )
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def force_part(share: Floats, wanted: Planar, limit: float) -> float:
     """Part (0 to 1) of a wanted force (N, N, N m) that no wheel needs more than `limit` (N) for."""
     worst = limit
@@ -231,7 +231,7 @@ def force_part(share: Floats, wanted: Planar, limit: float) -> float:
     return limit / worst
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def feasible_rate(share: Floats, reference: Floats, first: int, mass: float, inertia: float, limit: float) -> float:
     """Part (0 to 1) of its speed at which the rest of a reference (N, 9) can be driven with forces up to `limit` (N).
 
@@ -244,7 +244,7 @@ def feasible_rate(share: Floats, reference: Floats, first: int, mass: float, ine
     return math.sqrt(part)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def reference_at(reference: Floats, phase: float, rate: float, change: float, out: Floats) -> None:
     """Fill `out` (9,) with a reference (N, 9) at a phase in samples that advances by `rate`, which changes (1/s)."""
     k = min(int(phase), reference.shape[0] - 1)
@@ -257,7 +257,7 @@ def reference_at(reference: Floats, phase: float, rate: float, change: float, ou
         out[3 + j] *= rate
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def estimate_step(
     params: EstimateParams,
     rows: Floats,
@@ -300,7 +300,7 @@ def estimate_step(
     return Planar(vx, vy, w), bias
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def pose_step(pose: Planar, twist: Planar, dt: float) -> Planar:
     """Dead reckoning: a constant twist (base_link) along its chord, at the mean heading, shortened as the arc's."""
     half = 0.5 * dt * twist.turn
@@ -313,13 +313,13 @@ def pose_step(pose: Planar, twist: Planar, dt: float) -> Planar:
     )
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def ground_speed(rows: Floats, wheel: int, twist: Planar) -> float:
     """Rim speed (m/s) of a wheel that does not slip while the base has a twist."""
     return rows[wheel, 0] * twist.x + rows[wheel, 1] * twist.y + rows[wheel, 2] * twist.turn
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def traction_step(params: TractionParams, cut: float, slip: float, force: float) -> float:
     """Part (0 to 1) of the drive force that a wheel may use next, from its estimated slip (m/s) and last force.
 
@@ -333,13 +333,13 @@ def traction_step(params: TractionParams, cut: float, slip: float, force: float)
     return select(excess > 0.0, max(less, 0.0), min(more, 1.0))
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def within_slip(params: TractionParams, wanted: float, ground: float) -> float:
     """Rim speed (m/s) to command: the wanted one, no further from the floor's than the largest slip."""
     return min(max(wanted, ground - params.max_slip), ground + params.max_slip)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def watch_step(
     params: WatchParams,
     before: Suspicion,
@@ -371,7 +371,7 @@ def watch_step(
     return Suspicion(opened, 0.0)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def watch_verdict(params: WatchParams, suspicion: Suspicion) -> int:
     """What is wrong with a motor: `WORKS`, `OPEN` (no current, it turns freely) or `JAMMED`."""
     if suspicion.open >= params.patience:
@@ -379,7 +379,7 @@ def watch_verdict(params: WatchParams, suspicion: Suspicion) -> int:
     return JAMMED if suspicion.jam >= params.jam_patience else WORKS
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _shorten(x: float, y: float, limit: float) -> tuple[float, float]:
     size = math.sqrt(x * x + y * y)
     if size <= limit:
@@ -387,6 +387,6 @@ def _shorten(x: float, y: float, limit: float) -> tuple[float, float]:
     return x * limit / size, y * limit / size
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _clip(value: float, limit: float) -> float:
     return min(max(value, -limit), limit)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.control.base_kernels import Planar
@@ -17,6 +16,7 @@ from holonom.control.uncertainty_kernels import (
     uncertainty_step,
 )
 from holonom.errors import OutOfLimits, ShapeError
+from holonom.trace.loops import loop
 
 __all__ = ["UncertaintySettings", "covariance_along"]
 
@@ -136,7 +136,7 @@ def covariance_along(
     return out
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _along(
     params: UncertaintyParams, pose: Array, twist: Array, push: Array, constants: Array, noise: Array, out: Array
 ) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from numba import njit
+from holonom.trace.loops import loop
 
 __all__ = [
     "AccelerationParams",
@@ -86,7 +86,7 @@ class LimitParams(NamedTuple):
     following_error: float
 
 
-@njit(cache=True)
+@loop
 def pi_step(
     params: PiParams, integral: float, error: float, feedforward: float, low: float, high: float
 ) -> tuple[float, float]:
@@ -101,13 +101,13 @@ def pi_step(
     return output, integral + params.tracking * (output - wanted)
 
 
-@njit(cache=True)
+@loop
 def pi_start(params: PiParams, output: float, error: float, feedforward: float) -> float:
     """Integral with which the next `pi_step` gives `output`: bumpless start, or transfer from manual."""
     return output - feedforward - (params.gain + params.integral_gain) * error
 
 
-@njit(cache=True)
+@loop
 def current_step(
     params: CurrentParams, integral: float, reference: float, current: float, speed: float
 ) -> tuple[float, float]:
@@ -117,7 +117,7 @@ def current_step(
     return pi_step(pi, integral, reference - current, ahead, -params.max_voltage, params.max_voltage)
 
 
-@njit(cache=True)
+@loop
 def speed_step(
     params: SpeedParams, integral: float, reference: float, speed: float, feedforward: float
 ) -> tuple[float, float]:
@@ -135,7 +135,7 @@ def speed_step(
     return pi_step(pi, integral, reference - speed, feedforward, low, high)
 
 
-@njit(cache=True)
+@loop
 def position_step(params: PositionParams, reference: float, feedforward: float, position: float) -> float:
     """Speed reference (rad/s) from motor positions (rad) and the speed of the reference (rad/s).
 
@@ -153,7 +153,7 @@ def position_step(params: PositionParams, reference: float, feedforward: float, 
     return min(max(approach + feedforward, -params.max_speed), params.max_speed)
 
 
-@njit(cache=True)
+@loop
 def acceleration_step(
     params: AccelerationParams,
     integral: float,
@@ -174,7 +174,7 @@ def acceleration_step(
     return acceleration + correction, grown + (correction - wanted)
 
 
-@njit(cache=True)
+@loop
 def torque_to_current(torque: float, torque_per_ampere: float, max_current: float) -> tuple[float, bool]:
     """Current reference (A) for a joint torque (N m) by signed `G k_t` (N m/A); whether it was clipped."""
     wanted = torque / torque_per_ampere
@@ -182,7 +182,7 @@ def torque_to_current(torque: float, torque_per_ampere: float, max_current: floa
     return current, current != wanted
 
 
-@njit(cache=True)
+@loop
 def axis_violation(limits: LimitParams, reference: float, position: float, speed: float, current: float) -> int:
     """Code of the first limit that does not hold (`Violation`), 0 when all do; NaN never holds."""
     if not math.isfinite(reference):

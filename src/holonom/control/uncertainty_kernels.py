@@ -12,11 +12,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from holonom.control.base_kernels import Planar
 from holonom.trace.compiled import sincos
+from holonom.trace.loops import loop
 
 __all__ = ["CONSTANTS", "UncertaintyParams", "pose_covariance", "start_uncertainty", "uncertainty_step"]
 
@@ -49,7 +49,7 @@ class UncertaintyParams(NamedTuple):
     turn_lean_y: float
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def start_uncertainty(params: UncertaintyParams, constants: Floats, noise: Floats) -> None:
     """Fill `constants` (4, 9) and `noise` (3, 3) with those of a base that stands at a pose it knows."""
     constants[:] = 0.0
@@ -59,7 +59,7 @@ def start_uncertainty(params: UncertaintyParams, constants: Floats, noise: Float
     noise[2, 2] = params.start_turn * params.start_turn
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def uncertainty_step(
     params: UncertaintyParams, constants: Floats, noise: Floats, heading: float, twist: Planar, acceleration: Planar
 ) -> None:
@@ -98,7 +98,7 @@ def uncertainty_step(
     noise[2, 2] += params.turn_noise
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def pose_covariance(
     params: UncertaintyParams, constants: Floats, noise: Floats, heading: float, twist: Planar, out: Floats
 ) -> None:
@@ -119,7 +119,7 @@ def pose_covariance(
             out[i, k] = total
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _carry(P: Floats, by_x: float, by_y: float) -> None:
     """`P <- F P F^T` with F the identity and a heading's effect on x and y beside it."""
     xt, yt, t = P[0, 2], P[1, 2], P[2, 2]

@@ -6,10 +6,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from holonom.control.base_kernels import Planar
+from holonom.trace.loops import loop
 
 __all__ = ["AxisShape", "ShapingParams", "drivable_twist", "shaping_step"]
 
@@ -34,7 +34,7 @@ class ShapingParams(NamedTuple):
     turning: AxisShape
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def drivable_twist(drivable: Floats, rows: Floats, twist: Planar, max_rim: float) -> Planar:
     """Nearest twist that drags no wheel (`drivable` (3, 3) projects), no faster than the wheels reach (m/s)."""
     x = drivable[0, 0] * twist.x + drivable[0, 1] * twist.y + drivable[0, 2] * twist.turn
@@ -47,7 +47,7 @@ def drivable_twist(drivable: Floats, rows: Floats, twist: Planar, max_rim: float
     return Planar(part * x, part * y, part * turn)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def shaping_step(dt: float, shape: AxisShape, speed: float, acceleration: float, goal: float) -> tuple[float, float]:
     """Speed and acceleration one sample later on the way to a speed: within its limits, without overshoot.
 

@@ -9,9 +9,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from numba import njit
-
 from holonom.trace.compiled import select
+from holonom.trace.loops import loop
 
 __all__ = [
     "COUNTER_SIZE",
@@ -84,7 +83,7 @@ class TrackingState(NamedTuple):
     load: float
 
 
-@njit(cache=True)
+@loop
 def armature_step(params: ArmatureParams, current: float, voltage: float, speed: float) -> float:
     """Current (A) one interval later, from `L di/dt = u - R i - k_e w`, exact for held `u`, `w` (03.1)."""
     supplied = min(max(voltage, -params.max_voltage), params.max_voltage)
@@ -92,7 +91,7 @@ def armature_step(params: ArmatureParams, current: float, voltage: float, speed:
     return settled + params.decay * (current - settled)
 
 
-@njit(cache=True)
+@loop
 def friction_torque(params: FrictionParams, speed: float) -> float:
     """Torque (N m) that opposes the motion, to be subtracted: `B w + T_c w / sqrt(w^2 + e^2)`."""
     coulomb = select(speed > 0.0, params.coulomb_positive, params.coulomb_negative)
@@ -100,7 +99,7 @@ def friction_torque(params: FrictionParams, speed: float) -> float:
     return params.viscous * speed + coulomb * sign
 
 
-@njit(cache=True)
+@loop
 def gear_torque(params: GearParams, motor_torque: float, motor_speed: float) -> float:
     """Joint torque (N m): `nu eta m` while the motor drives, `nu m / eta` when driven back (spec 03.2)."""
     if motor_torque * motor_speed >= 0.0:
@@ -108,13 +107,13 @@ def gear_torque(params: GearParams, motor_torque: float, motor_speed: float) -> 
     return params.ratio * motor_torque / params.efficiency
 
 
-@njit(cache=True)
+@loop
 def encoder_counter(params: EncoderParams, angle: float) -> int:
     """Content (0 ... 65535) of the 16-bit up/down counter at a motor angle (rad)."""
     return math.floor(angle * params.counts_per_rad) & (COUNTER_SIZE - 1)
 
 
-@njit(cache=True)
+@loop
 def extend_counter(total: int, counter: int) -> int:
     """64-bit count after a read: the last one plus the signed 16-bit difference (spec 03.3).
 
@@ -124,19 +123,19 @@ def extend_counter(total: int, counter: int) -> int:
     return total + ((counter - total + HALF_COUNTER) & (COUNTER_SIZE - 1)) - HALF_COUNTER
 
 
-@njit(cache=True)
+@loop
 def count_angle(params: EncoderParams, total: int) -> float:
     """Motor angle (rad) at the middle of the count: off by half a count at most."""
     return (total + 0.5) * params.resolution
 
 
-@njit(cache=True)
+@loop
 def difference_speed(params: EncoderParams, counts: int, interval: float) -> float:
     """M method: motor speed (rad/s) from the counts in an interval (s), `dN q / T_s`; half of it late."""
     return counts * params.resolution / interval
 
 
-@njit(cache=True)
+@loop
 def tracking_step(params: TrackingParams, state: TrackingState, angle: float, acceleration: float) -> TrackingState:
     """One read of the encoder: predict with the known acceleration (`k_t i / J`, or 0), correct by the error.
 

@@ -12,12 +12,13 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numba import boolean, float64, int64, njit
+from numba import boolean, float64, int64
 from numpy.typing import NDArray
 
 from holonom.mechanics.singularity_kernels import rows_of
 from holonom.mechanics.svd_kernels import ROOM, complete, decompose, room_for, rows_of_turns, unit_rows, weights
 from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
+from holonom.trace.loops import loop
 from holonom.trace.pointer import call_kernel
 from holonom.trace.results import Results, entry, exists, made_like, nothing, put, release
 from holonom.trace.simd import load, spread, total
@@ -52,7 +53,7 @@ def asked_for(signature: Any) -> Callable[[Compiled], Callable[[], Compiled]]:
     """What compiles a function of Python objects when it is first asked for."""
 
     def decorate(function: Compiled) -> Callable[[], Compiled]:
-        return functools.cache(lambda: direct(njit(signature, cache=True, error_model="numpy")(function)))
+        return functools.cache(lambda: direct(loop(signature, error_model="numpy")(function)))
 
     return decorate
 
@@ -63,7 +64,7 @@ def plan_of(arm: Arm, part: str = "all", frame: str = "world") -> NDArray[np.int
     return np.array([arm.kernel("jacobian", frame=frame).address, arm.n, rows.start, rows.stop - rows.start])
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def given_jacobian(plan: Any, q: Floats, J: Floats) -> bool:
     """Write the Jacobian at q to the beginning of J (ROOM,), unless q is not finite or of another length."""
     n = plan[1]
@@ -76,13 +77,13 @@ def given_jacobian(plan: Any, q: Floats, J: Floats) -> bool:
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _part(plan: Any, J: Floats) -> Floats:
     n, first, rows = plan[1], plan[2], plan[3]
     return J[n * first : n * (first + rows)].reshape(rows, n)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _count(s: Floats, tolerance: float) -> int:
     count = 0
     for x in s:
@@ -106,7 +107,7 @@ def singular_values_at(plan: Any, q: Any, like: Any) -> Any:
     return result
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _left_after(A: Floats, room: Floats, rank: int, first: int, rows: Floats) -> None:
     """Write left vectors of a decomposed A (m, n), one in each of `rows` (m, m), from a first one on or all."""
     m, n = A.shape
@@ -160,7 +161,7 @@ def lost_directions_at(plan: Any, q: Any, tolerance: float, likes: Any) -> Any:
     return result
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@loop(error_model="numpy", fastmath={"contract"})
 def _complement(room: Floats, first: Any, second: Any, N: Floats) -> None:
     """Write orthonormal columns N (n, count) at right angles to rows in room: Gram-Schmidt, twice, of axes.
 

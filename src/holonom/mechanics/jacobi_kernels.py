@@ -16,10 +16,10 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from holonom.trace.compiled import select
+from holonom.trace.loops import loop
 from holonom.trace.simd import any_of, chosen, largest, load, spread, store
 
 __all__ = [
@@ -64,7 +64,7 @@ SMALL, LARGE = 1e-5, 1e5
 _SIX, _FOUR = (0, 4, 2, 5, 1, 6), (0, 1, 4, 5)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def slot(row: int, rows: int) -> int:
     """Where a row stands in a column: first ones of the pairs in lanes 0, 1, 2 of one pack, second ones in the next.
 
@@ -75,7 +75,7 @@ def slot(row: int, rows: int) -> int:
     return _FOUR[row] if rows > 2 else 4 * row
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def laid_out(A: Floats, room: Floats, more: int) -> float:
     """Write A (m, n), or its transpose if m > n, column by column to room, and clear as many more columns after it.
 
@@ -106,7 +106,7 @@ def laid_out(A: Floats, room: Floats, more: int) -> float:
     return size
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _next_first(x: Any, y: Any, pairs: int) -> Any:
     """The first rows of the pairs that meet next: row 0 stays, the others go round."""
     if pairs == 3:
@@ -116,13 +116,13 @@ def _next_first(x: Any, y: Any, pairs: int) -> Any:
     return x
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _next_second(x: Any, y: Any, pairs: int) -> Any:
     """Their second rows."""
     return chosen(x, y, 1, 4, 2, 7) if pairs > 1 else y
 
 
-@njit(cache=True, error_model="numpy", fastmath={"contract"})
+@loop(error_model="numpy", fastmath={"contract"})
 def orthogonalise(room: Floats, rows: int, columns: int, more: int) -> None:
     """Rotate pairs of rows until all are orthogonal over the first columns, and the columns after these alike.
 
@@ -170,7 +170,7 @@ def orthogonalise(room: Floats, rows: int, columns: int, more: int) -> None:
     store(room, end + 3, select(q > zero, q * b, spread(-1.0)))
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def ranked(room: Floats, results: int) -> None:
     """Write of each row how many are longer; results: the first column of results."""
     at = 2 * (results + SQUARE)

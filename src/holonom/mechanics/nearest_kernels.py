@@ -7,11 +7,12 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import float64, int8, int64, njit, void
+from numba import float64, int8, int64, void
 from numpy.typing import NDArray
 
 from holonom.mechanics.inverse_geometry import LIMIT, UNREACHABLE
 from holonom.trace.direct import ArrayObject, array_of, direct, fits, scratch
+from holonom.trace.loops import loop
 from holonom.trace.pointer import call_kernel
 from holonom.trace.results import Results, entry, exists, made_like, nothing
 
@@ -24,7 +25,7 @@ ROOM = 256
 """Numbers that the branches of one target may be, all joints and status, and the joints taken; none has as many."""
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _turned(value: float, reference: float, lower: float, upper: float, turn: float) -> float:
     """The value whole turns nearer to the reference, where that stays within the limits."""
     if abs(reference - value) > 0.5 * turn and turn > 0.0:
@@ -34,7 +35,7 @@ def _turned(value: float, reference: float, lower: float, upper: float, turn: fl
     return value
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _choose(branches: Floats, status: Any, at: int, reference: Floats, joints: Floats, q: Floats) -> int:
     """Write the nearest of the branches (k, n) to q (n,), and return its number; see `nearest_of_rows`.
 
@@ -103,15 +104,14 @@ def _compiled(*target: int) -> Callable[..., Any]:
     listed, table = ArrayObject(float64, (None,)), ArrayObject(float64, (4, None))
     answer = Results([listed])
     kind = answer(int64, int64, ArrayObject(float64, target), listed, table, Results([answer]))
-    return direct(njit(kind, cache=True, error_model="numpy")(_nearest))
+    return direct(loop(kind, error_model="numpy")(_nearest))
 
 
 nearest_pose, nearest_point = _compiled(4, 4), _compiled(3)
 
 
-@njit(
+@loop(
     void(_STACK, int8[:, ::1], _TABLE, _TABLE, _TABLE, int8[::1], int64[::1]),
-    cache=True,
     nogil=True,
     error_model="numpy",
 )

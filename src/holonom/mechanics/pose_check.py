@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import boolean, float64, njit
+from numba import boolean, float64
 from numpy.typing import NDArray
 
 from holonom.spatial.poses import RIGID
+from holonom.trace.loops import loop
 
 __all__ = ["is_rigid"]
 
 
-@njit(boolean(float64[:, ::1]), cache=True, error_model="numpy")
+@loop(boolean(float64[:, ::1]), error_model="numpy")
 def is_rigid(T: NDArray[np.float64]) -> bool:
     """Whether T (4, 4) passes `spatial.check_pose`; False for NaN."""
     if T.shape[0] != 4 or T.shape[1] != 4:

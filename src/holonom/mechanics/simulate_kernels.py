@@ -10,9 +10,10 @@ puts right the steps in which a joint stands, stops or turns back; in all others
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, types
+from numba import types
 from numpy.typing import NDArray
 
+from holonom.trace.loops import loop
 from holonom.trace.pointer import call_kernel, call_rows
 
 __all__ = ["advance_lanes", "advance_one", "settle", "turns_back"]
@@ -24,7 +25,7 @@ SWEEPS, SETTLED = 100, 1e-12
 """Most sweeps over the joints in `settle`, and the change of the speeds, as a share of the largest, that ends them."""
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def turns_back(before: Floats, after: Floats) -> bool:
     """Whether a joint stands, stops or turns back between two speeds (n,)."""
     least = np.inf
@@ -33,7 +34,7 @@ def turns_back(before: Floats, after: Floats) -> bool:
     return least <= 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def settle(dt: float, semi_implicit: bool, B: Floats, breakaway: Floats, x0: Floats, v0: Floats, x: Floats,
            v: Floats) -> None:  # fmt: skip
     """Correct a step's end x, v (n,) for joints that stand, stop or turn back in it.
@@ -82,7 +83,7 @@ def settle(dt: float, semi_implicit: bool, B: Floats, breakaway: Floats, x0: Flo
         v[i] = w[i]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@loop(nogil=True, error_model="numpy")
 def advance_one(
     address: int,
     stiction: int,
@@ -164,10 +165,9 @@ _TABLE, _LIST = types.float64[:, ::1], types.float64[::1]
 _SAMPLES = types.float64[:, :, ::1]
 
 
-@njit(
+@loop(
     types.void(types.int64, types.int64, types.float64, _LIST, _LIST, types.boolean, types.int64, _TABLE, _TABLE,
                _SAMPLES, _SAMPLES, _SAMPLES, types.int64, types.int64),
-    cache=True,
     nogil=True,
     error_model="numpy",
 )  # fmt: skip

@@ -11,10 +11,10 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from holonom.mechanics.pose_check import is_rigid
+from holonom.trace.loops import loop
 from holonom.trace.pointer import call_kernel
 
 __all__ = [
@@ -92,7 +92,7 @@ class _Room(NamedTuple):
     slope: Floats
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def scratch(n: int) -> Any:
     """Return the room that one thread needs for an arm of n joints."""
     return _Room(
@@ -101,14 +101,14 @@ def scratch(n: int) -> Any:
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _copy(a: Floats, first: int, count: int, b: Floats, at: int) -> None:
     """b[at : at + count] = a[first : first + count]; assigning slices compiles ten times as long."""
     for k in range(count):
         b[at + k] = a[first + k]
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def damped_step(address: int, state: Floats, free: Floats, damping: float, room: Any) -> None:
     """room.step = J^T (J J^T + damping)^-1 x over the free joints, x being what stands at room.normal[21:27]."""
     n = free.shape[0]
@@ -130,7 +130,7 @@ def damped_step(address: int, state: Floats, free: Floats, damping: float, room:
         step[k] = total * free[k]
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _release(q: Floats, lower: Floats, upper: Floats, state: Floats, free: Floats) -> bool:
     """Free all joints but those at a limit that J^T e drives further out; return whether there is such a joint."""
     pressed = False
@@ -145,7 +145,7 @@ def _release(q: Floats, lower: Floats, upper: Floats, state: Floats, free: Float
     return pressed
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _move(chain: Any, q: Floats, step: Floats, scale: float, moved: Floats) -> None:
     """q + scale step, a turn back or else clamped where that leaves the limits."""
     lower, upper, turn = chain.lower, chain.upper, chain.turn
@@ -158,7 +158,7 @@ def _move(chain: Any, q: Floats, step: Floats, scale: float, moved: Floats) -> N
         moved[k] = value
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _cost(state: Floats) -> float:
     total = 0.0
     for i in range(1, 7):
@@ -166,7 +166,7 @@ def _cost(state: Floats) -> float:
     return total
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _largest(a: Floats) -> float:
     largest = 0.0
     for x in a:
@@ -174,7 +174,7 @@ def _largest(a: Floats) -> float:
     return largest
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _evaluate(search: Any, q: Floats, room: Any) -> float:
     """Put the task at q into `room.state`; return the residual squared. The goal stands in `room.source`."""
     _copy(q, 0, q.shape[0], room.source, 0)
@@ -182,7 +182,7 @@ def _evaluate(search: Any, q: Floats, room: Any) -> float:
     return float(room.state[0])
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _descend(chain: Any, search: Any, room: Any) -> tuple[float, int, bool]:
     """One attempt from `room.q`: residual squared, steps taken, whether joints ended pressed against limits."""
     q, state, trial, source, free, normal = room.q, room.state, room.trial, room.source, room.free, room.normal
@@ -207,7 +207,7 @@ def _descend(chain: Any, search: Any, room: Any) -> tuple[float, int, bool]:
     return state[0], steps, pressed
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _criterion(search: Any, q: Floats, room: Any) -> float:
     """Value of the criterion; its gradient goes to `room.slope[1:]`."""
     _copy(q, 0, q.shape[0], room.posture, 0)
@@ -215,7 +215,7 @@ def _criterion(search: Any, q: Floats, room: Any) -> float:
     return float(room.slope[0])
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _along_nullspace(chain: Any, search: Any, room: Any) -> None:
     """room.step = (1 - J^+ J) dH/dq at room.climbed, without the joints at limits that it drives out."""
     n = room.q.shape[0]
@@ -237,7 +237,7 @@ def _along_nullspace(chain: Any, search: Any, room: Any) -> None:
                 free[k], pressed = 0.0, True
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _climb(chain: Any, search: Any, room: Any) -> int:
     """From the solution in `room.q`, climb the criterion in the nullspace; every point kept is a solution itself."""
     total, reach = 0, CLIMB_STEP
@@ -264,7 +264,7 @@ def _climb(chain: Any, search: Any, room: Any) -> int:
     return total
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _restart(chain: Any, number: int, q: Floats) -> None:
     """Point `number` of the additive sequence (Roberts 2018) in the box of restarts; point 0 is its middle."""
     for k in range(q.shape[0]):
@@ -272,7 +272,7 @@ def _restart(chain: Any, number: int, q: Floats) -> None:
         q[k] = chain.origin[k] + (u - math.floor(u)) * chain.span[k]
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _solve(chain: Any, search: Any, room: Any, starts: Floats, preferred: Floats, row: int) -> tuple[float, int, bool]:
     """Solve for the goal in `room.source`, to `room.best`: residual squared, steps taken, whether pressed to limits."""
     n, given = chain.lower.shape[0], min(starts.shape[0], 1)
@@ -297,14 +297,14 @@ def _solve(chain: Any, search: Any, room: Any, starts: Floats, preferred: Floats
     return _evaluate(search, room.best, room), total, blocked
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _status(search: Any, least: float, blocked: bool) -> int:
     if least <= search.tolerance * search.tolerance:
         return OK
     return LIMIT if blocked else NOT_CONVERGED
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@loop(error_model="numpy", nogil=True)
 def solve_rows(
     chain: Any,
     search: Any,
@@ -330,7 +330,7 @@ def solve_rows(
         status[row] = _status(search, least, blocked)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@loop(error_model="numpy", nogil=True)
 def solve_one(
     limits: Floats,
     numbers: Floats,

@@ -10,7 +10,6 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from holonom.mechanics.jacobi_kernels import (
@@ -27,6 +26,7 @@ from holonom.mechanics.jacobi_kernels import (
     ranked,
     slot,
 )
+from holonom.trace.loops import loop
 from holonom.trace.simd import load
 
 __all__ = [
@@ -46,13 +46,13 @@ ROOM = 512
 """Numbers on the stack for one configuration."""
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def room_for(m: int, n: int) -> int:
     """How many numbers the decomposition of a matrix (m, n) needs room for."""
     return COLUMN * (m + n + RESULTS)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def decompose(A: Floats, room: Floats, s: Floats, turns: bool) -> int:
     """Factorise A (m, n), or its transpose if m > n, as R^T diag(s) Y, with s (k,), k = min(m, n), largest first.
 
@@ -82,7 +82,7 @@ def decompose(A: Floats, room: Floats, s: Floats, turns: bool) -> int:
     return rank
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def rows_of_turns(room: Floats, columns: int, k: int, first: int, R: Floats) -> None:
     """Write rows of R from a first one on."""
     results = columns + k
@@ -93,7 +93,7 @@ def rows_of_turns(room: Floats, columns: int, k: int, first: int, R: Floats) -> 
             R[i - first, j] = factor * room[COLUMN * (columns + j) + at]
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def unit_rows(room: Floats, columns: int, more: int, count: int, Y: Floats) -> None:
     """Write the first rows of Y; more: k if R was asked for, else 0."""
     results = columns + more
@@ -104,7 +104,7 @@ def unit_rows(room: Floats, columns: int, more: int, count: int, Y: Floats) -> N
             Y[i, j] = scale * room[COLUMN * j + at]
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def weights(room: Floats, columns: int, count: int) -> Any:
     """Of each row in room 1 / |row|^2, and 0 of all but the first `count` in order; R was not asked for."""
     for at in range(COLUMN):
@@ -117,7 +117,7 @@ def weights(room: Floats, columns: int, count: int) -> Any:
     return load(room, at), load(room, at + 1)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def complete(Y: Floats, count: int) -> None:
     """Make the rows of a square matrix after the first ones orthonormal too: Gram-Schmidt, twice, of axes."""
     n = Y.shape[0]
@@ -148,7 +148,7 @@ def complete(Y: Floats, count: int) -> None:
             Y[row, k] /= math.sqrt(square)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _svd(A: Floats, room: Floats, U: Floats, s: Floats, Vt: Floats) -> None:
     """A = U[:, :k] diag(s) Vt[:k], with U (m, m) and Vt (n, n) orthogonal."""
     k, columns = s.shape[0], max(A.shape)
@@ -162,7 +162,7 @@ def _svd(A: Floats, room: Floats, U: Floats, s: Floats, Vt: Floats) -> None:
             U[i, j], U[j, i] = U[j, i], U[i, j]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@loop(nogil=True, error_model="numpy")
 def svd_of_rows(A: Floats, U: Floats, s: Floats, Vt: Floats) -> None:
     """`svd` of each A (N, m, n): U (N, m, m), s (N, k), Vt (N, n, n)."""
     room = np.empty(room_for(*A.shape[1:]))
@@ -170,7 +170,7 @@ def svd_of_rows(A: Floats, U: Floats, s: Floats, Vt: Floats) -> None:
         _svd(A[row], room, U[row], s[row], Vt[row])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@loop(nogil=True, error_model="numpy")
 def values_of_rows(A: Floats, s: Floats) -> None:
     """Singular values s (N, k) of each A (N, m, n)."""
     room = np.empty(room_for(*A.shape[1:]))

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import float64, njit
+from numba import float64
 from numpy.typing import NDArray
 
 from holonom.mechanics.decomposition_kernels import PLAN, asked_for, given_jacobian
@@ -14,6 +14,7 @@ from holonom.mechanics.jacobi_kernels import COLUMN, FACTOR, SQUARE, laid_out, o
 from holonom.mechanics.svd_kernels import ROOM, room_for
 from holonom.trace.compiled import select
 from holonom.trace.direct import ArrayObject, array_of, fits, scratch
+from holonom.trace.loops import loop
 from holonom.trace.results import exists, made_like, nothing
 from holonom.trace.simd import largest, load, spread, total
 
@@ -28,7 +29,7 @@ LOST = 1e-12
 """Singular value, as a share of the largest one, below which a direction is lost altogether."""
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _rates(J: Floats, twist: Floats, damping: float, room: Floats, qd: Floats) -> None:
     """Sum of s / (s^2 + lambda^2) v u^T twist over the singular values s of J (6, n).
 
@@ -71,7 +72,7 @@ def _rates(J: Floats, twist: Floats, damping: float, room: Floats, qd: Floats) -
         qd[j] = total(x * load(room, 2 * (start + j)) + y * load(room, 2 * (start + j) + 1))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@loop(nogil=True, error_model="numpy")
 def rates_of_rows(J: Floats, twist: Floats, damping: float, qd: Floats) -> None:
     """The rates of rows: J (N, 6, n), twist (N, 6), qd (N, n)."""
     room = np.empty(room_for(*J.shape[1:]))

@@ -7,23 +7,24 @@
 `cuda`            the same straight line for a GPU
 `Graph`           the expression graph, simplified while it is built
 `share`           parts of other work to threads; `check_threads`, `real_array`: what a caller gave
-`cache_folder`    where generated modules lie
+`cache_folder`    where machine code lies; `cache_use`, `empty_cache`
 ================  =======================================================================
 
 Inside, in the order in which an equation goes through them:
 
 - to a line: `functions`, `graph`, `elementary`, `line`; `lanes` lays the branches of an inverse side by side, `columns`
   makes the like columns of a result in a loop;
-- to modules as text: `emit`, `cuda`; `cache` keeps them;
-- to machine code: `lower`, with `transpose` and `remainder` for the rows of a batch;
+- to modules as text: `emit`, `cuda`; `generated` runs them;
+- to machine code: `lower`, with `transpose` and `remainder` for the rows of a batch; `loops` compiles, `cache` keeps it
+  by what `sources` say (and `bytecode`, Python's own);
 - to be called: `kernel`, `pointer`; `direct`, `results` and `layout` are the way past Numba's dispatch, `batch` that of
   many rows; `crew` shares these among threads, with what is in `atomic`.
 
-For loops written by hand there are `compiled` (elementary functions) and `simd` (four numbers as one); `trigonometric`
-multiplies equations out into formulas, `arrays` runs them on NumPy arrays.
+Loops written by hand begin with `@loop` of `loops`; for them there are `compiled` (elementary functions) and `simd`
+(four numbers as one); `trigonometric` multiplies equations out into formulas, `arrays` runs them on NumPy arrays.
 """
 
-from holonom.trace.cache import cache_folder
+from holonom.trace.cache import CacheUse, cache_folder, cache_use, empty_cache
 from holonom.trace.functions import (
     absolute,
     atan2,
@@ -42,6 +43,7 @@ from holonom.trace.real import real_array
 from holonom.trace.threads import check_threads, share
 
 __all__ = [
+    "CacheUse",
     "Condition",
     "Graph",
     "Kernel",
@@ -50,9 +52,11 @@ __all__ = [
     "absolute",
     "atan2",
     "cache_folder",
+    "cache_use",
     "check_threads",
     "compile",
     "cos",
+    "empty_cache",
     "less",
     "less_equal",
     "maximum",

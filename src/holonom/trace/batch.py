@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
 
 from holonom.trace.crew import board, run
@@ -36,6 +36,7 @@ from holonom.trace.layout import (
     WRITEABLE,
     symbol,
 )
+from holonom.trace.loops import loop
 
 __all__ = ["Batch"]
 
@@ -65,7 +66,7 @@ def _type_of_arrays(context: Any) -> Any:
 _ndarray: Any = intrinsic(_type_of_arrays)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@loop(nogil=True, error_model="numpy")
 def _fits(array: int, like: int, count: int, flags: int) -> bool:
     """Whether an object is an array with so many rows, each like one of another array."""
     if _long(array, TYPE) != _ndarray() or _int(array, NDIM) != _int(like, NDIM) or _int(array, FLAGS) & flags != flags:
@@ -80,13 +81,13 @@ def _fits(array: int, like: int, count: int, flags: int) -> bool:
     return _long(shape, 0) == count
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@loop(nogil=True, error_model="numpy")
 def _bytes(like: int) -> int:
     """Bytes of an array (1, ...): NumPy's stride over its first axis is all of it."""
     return _long(_long(like, STRIDES), 0)
 
 
-@njit(types.boolean(*[types.int64] * 4), cache=True, nogil=True, error_model="numpy")
+@loop(types.boolean(*[types.int64] * 4), nogil=True, error_model="numpy")
 def _evaluate(form: int, given: int, threads: int, board: int) -> bool:
     """Evaluate a batch form on arrays of any number of rows (N, ...); False if something else is given, or NaN in it.
 

@@ -65,7 +65,7 @@ class Columns:
         return (
             intrinsic("line", program, arguments, SCALAR_FLAGS, 1)
             + self.text(outputs, lanes, across=True)
-            + f'@njit(inline="always")\ndef straight_line({given}, {taken}):\n'
+            + f'@loop(inline="always")\ndef straight_line({given}, {taken}):\n'
             + "".join(f"    {f.name} = scratch({f.width})\n" for f in self.given)
             + f"    line({', '.join(arguments)})\n    for nth in range(0, {self.count}, {lanes}):\n"
             + f"        column(shared, own, {taken}, min(nth, {self.count - lanes}))\n\n\n"

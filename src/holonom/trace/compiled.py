@@ -11,9 +11,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
 
+from holonom.trace.loops import loop
 from holonom.trace.lower import lower
 from holonom.trace.simd import Mask, pack
 
@@ -50,10 +51,10 @@ def _both(x: float) -> tuple[float, float]:
     return _sincos(x)  # type: ignore[call-arg]
 
 
-sincos: Any = njit(_both)
+sincos: Any = loop(_both)
 
 
-@njit(fastmath=TRIG_FLAGS, error_model="numpy")
+@loop(fastmath=TRIG_FLAGS, error_model="numpy")
 def arctan(x: float) -> float:
     """Return the angle in [-pi/2, pi/2] whose tangent is x; error about 2e-16."""
     a = abs(x)
@@ -68,7 +69,7 @@ def arctan(x: float) -> float:
     return math.copysign(start + (u + u * z * (low + z2 * z2 * (high + z2 * z2 * end))), x)
 
 
-@njit(fastmath=TRIG_FLAGS, error_model="numpy")
+@loop(fastmath=TRIG_FLAGS, error_model="numpy")
 def sincos_half_turn(x: float) -> tuple[float, float]:
     """Return sin x and cos x of an angle in [0, pi], relative error of the sine about 4e-16 below pi/2.
 
@@ -92,7 +93,7 @@ def sincos_half_turn(x: float) -> tuple[float, float]:
     return x * (3.141592653589793 - x) * p, y + y * z * q
 
 
-@njit(fastmath=TRIG_FLAGS, error_model="numpy")
+@loop(fastmath=TRIG_FLAGS, error_model="numpy")
 def _cubic(z: float, z2: float, a: float, b: float, c: float, d: float) -> float:
     """Return `a + b z + c z^2 + d z^3` in two steps instead of three (Estrin)."""
     return (a + b * z) + z2 * (c + d * z)

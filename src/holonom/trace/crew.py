@@ -16,9 +16,10 @@ import os
 import threading
 
 import numpy as np
-from numba import njit, types
+from numba import types
 
 from holonom.trace.atomic import acquire, add, exchange, exchange_if, load, new_lock, pause, release, store
+from holonom.trace.loops import loop
 from holonom.trace.pointer import call_rows
 
 __all__ = ["Crew", "board", "run"]
@@ -41,7 +42,7 @@ STOP = -1
 """In place of tickets: go home."""
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@loop(nogil=True, error_model="numpy")
 def _sleep(board: int, bed: int, value: int) -> None:
     """Sleep until woken, unless what is waited for (the number at `board` is no longer `value`) is there by now."""
     store(bed + ASLEEP, 1)
@@ -50,7 +51,7 @@ def _sleep(board: int, bed: int, value: int) -> None:
         acquire(load(bed + LOCK))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@loop(nogil=True, error_model="numpy")
 def _wake(bed: int) -> bool:
     """Wake whoever sleeps there."""
     asleep: bool = load(bed + ASLEEP) == 1 and exchange_if(bed + ASLEEP, 1, 0)
@@ -59,14 +60,14 @@ def _wake(bed: int) -> bool:
     return asleep
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@loop(nogil=True, error_model="numpy")
 def _row(edge: int, count: int, parts: int) -> int:
     """The row that a piece begins with."""
     row = count * edge // (PIECES * parts)
     return row - row % WHOLE if row < count else count
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@loop(nogil=True, error_model="numpy")
 def _take(board: int, own: int) -> None:
     """Evaluate pieces, first those of the own part, until none is left."""
     address, places = load(board + ADDRESS), load(board + PLACES)
@@ -84,7 +85,7 @@ def _take(board: int, own: int) -> None:
         store(board + WRONG, 1)
 
 
-@njit(types.void(types.int64, types.int64), cache=True, nogil=True, error_model="numpy")
+@loop(types.void(types.int64, types.int64), nogil=True, error_model="numpy")
 def _work(board: int, own: int) -> None:
     """What a worker does until it is told to stop."""
     looks = 0
@@ -105,7 +106,7 @@ def _work(board: int, own: int) -> None:
             looks = 0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@loop(nogil=True, error_model="numpy")
 def _call_in(board: int, workers: int, wanted: int) -> None:
     """Wake as many workers as are wanted beside those who are awake."""
     for own in range(1, workers + 1):
@@ -116,7 +117,7 @@ def _call_in(board: int, workers: int, wanted: int) -> None:
             wanted -= 1
 
 
-@njit(types.boolean(*[types.int64] * 5), cache=True, nogil=True, error_model="numpy")
+@loop(types.boolean(*[types.int64] * 5), nogil=True, error_model="numpy")
 def run(address: int, places: int, count: int, threads: int, board: int) -> bool:
     """Evaluate the `rows` of `emit_block` that are at an address; whether all inputs were finite.
 
@@ -154,7 +155,7 @@ def run(address: int, places: int, count: int, threads: int, board: int) -> bool
     return fine
 
 
-@njit(types.void(types.int64, types.int64), cache=True, nogil=True, error_model="numpy")
+@loop(types.void(types.int64, types.int64), nogil=True, error_model="numpy")
 def _stop(board: int, workers: int) -> None:
     """Send all workers home after the batch that is running; from then on each is its giver's alone."""
     while exchange(board + BUSY, 1) != 0:

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from holonom.errors import RunError, ShapeError
-from holonom.trace.cache import load_module
 from holonom.trace.columns import Columns
+from holonom.trace.generated import load_module
 from holonom.trace.kernel import Kernel
 from holonom.trace.line import Field, Results, stores
 

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.errors import InputError, ShapeError
-from holonom.trace.cache import load_module
 from holonom.trace.columns import Columns, columns_of
 from holonom.trace.emit import TAKEN, Parts, emit_block, emit_made, emit_pointer, emit_single
+from holonom.trace.generated import load_module
 from holonom.trace.graph import Graph, Scalar
 from holonom.trace.lanes import lanes_of
 from holonom.trace.line import Field, operand, straight_line

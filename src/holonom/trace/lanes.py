@@ -59,7 +59,7 @@ class Lanes:
             intrinsic("shared", [*loads(inputs), *self.shared], [*given, "buf"], SCALAR_FLAGS, 1)
             + intrinsic("branch", self.branch, ["buf"], BLOCK_FLAGS, self.width)
             + intrinsic("spread", [*self.loads, *stores(outputs, self.results)], ["buf", *taken], SCALAR_FLAGS, 1)
-            + f'@njit(inline="always")\ndef straight_line({", ".join((*given, *taken))}):\n'
+            + f'@loop(inline="always")\ndef straight_line({", ".join((*given, *taken))}):\n'
             + f"    buf = scratch({self.size})\n    shared({', '.join(given)}, buf)\n    branch(buf)\n"
             + f"    spread(buf, {', '.join(taken)})\n\n\n"
         )

@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from holonom.trace.loops import loop
 
 __all__ = ["back", "filled_up"]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@loop(nogil=True, error_model="numpy")
 def filled_up(rows: Any, first: int, last: int, lanes: int) -> Any:
     """Return the rows (N, w) from `first` to `last`, with zeros below, (lanes, w)."""
     full = np.zeros((lanes, rows.shape[1]), rows.dtype)
@@ -20,7 +21,7 @@ def filled_up(rows: Any, first: int, last: int, lanes: int) -> Any:
     return full
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@loop(nogil=True, error_model="numpy")
 def back(full: Any, rows: Any, first: int, last: int) -> None:
     """Write the rows from `first` to `last` of (N, w) as `full` has them at its start."""
     for row in range(first, last):

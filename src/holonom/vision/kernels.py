@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from holonom.trace.loops import loop
 
 __all__ = ["closed_path"]
 
 
-@njit(cache=True)
+@loop
 def closed_path(
     score: NDArray[np.float32],
     price: NDArray[np.float32],

@@ -19,6 +19,7 @@ class Options:
         None, 'print generated code, such as "puma560.inverse_dynamics"', metavar="NAME", either="instead"
     )
     schema: bool = option(False, "print the JSON Schema of cell files", either="instead")
+    empty_cache: bool = option(False, "remove all compiled kernels", either="instead")
 
 
 def run(options: Options) -> Answer:
@@ -29,7 +30,7 @@ def run(options: Options) -> Answer:
         return doctor.schema()
     if options.show_kernel is not None:
         return doctor.show_kernel(options.show_kernel)
-    return doctor.examine()
+    return doctor.empty_cache() if options.empty_cache else doctor.examine()
 
 
 COMMAND = Method("say what is installed and what is missing", run, OWN, Options)

@@ -5,15 +5,16 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from holonom.trace.loops import loop
 
 __all__ = ["fill_pose_rows"]
 
 Array = NDArray[np.float64]
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def fill_pose_rows(poses: Array, out: Array) -> None:
     """Fill rows (k, 7), x y z and quaternion x y z w with w >= 0, of poses (k, 4, 4).
 

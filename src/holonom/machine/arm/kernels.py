@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from holonom.control.kernels import (
@@ -23,6 +22,7 @@ from holonom.control.kernels import (
 from holonom.devices.drive_signals import JointSignals
 from holonom.devices.kernels import TrackingState, count_angle, extend_counter, tracking_step
 from holonom.machine.arm.records import ServoTiming
+from holonom.trace.loops import loop
 from holonom.trace.pointer import call_kernel
 
 __all__ = ["CASCADE", "COMPUTED_TORQUE", "STOP", "servo_step"]
@@ -34,7 +34,7 @@ Floats = NDArray[np.float64]
 Records = NDArray[np.void]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def servo_step(
     mode: int,
     timing: ServoTiming,
@@ -96,7 +96,7 @@ def servo_step(
     return 0, 0
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _read_encoder(axis: Any, state: Any, counter: int, current: float) -> None:
     """64-bit extension of the counter and observer; the motor's own torque is the acceleration it knows of."""
     state.count = extend_counter(state.count, counter)
@@ -106,18 +106,18 @@ def _read_encoder(axis: Any, state: Any, counter: int, current: float) -> None:
     state.angle, state.rate, state.load = after.angle, after.speed, after.load
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _watch(axis: Any, state: Any, reference: float, current: float) -> int:
     """The limits as the controller sees them."""
     return axis_violation(axis.limits, reference, state.angle / axis.ratio, state.rate / axis.ratio, current)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _position_loop(axis: Any, state: Any, reference: float, speed: float) -> None:
     state.speed_reference = position_step(axis.position, axis.ratio * reference, axis.ratio * speed, state.angle)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _speed_loop(axis: Any, state: Any, mode: int) -> None:
     wanted = 0.0 if mode == STOP else state.speed_reference
     state.current_reference, state.speed_integral = speed_step(
@@ -125,7 +125,7 @@ def _speed_loop(axis: Any, state: Any, mode: int) -> None:
     )
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _model_law(model: int, axes: Records, states: Records, reference: Floats, law: Floats) -> None:
     """tau = B(q) u + h(q, qd_ref): friction is fed forward along the reference, so that it does not chatter at rest."""
     n = states.shape[0]

@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from holonom.control.base_kernels import (
@@ -39,6 +38,7 @@ from holonom.machine.base.wheel_kernels import (
     watch_motors,
 )
 from holonom.mobile.drive.slip_kernels import SlipState, slip_step
+from holonom.trace.loops import loop
 from holonom.trace.simd import WIDTH, load, packed, store
 
 __all__ = ["DONE", "HOLD", "PATH", "RUNNING", "STOPPED", "VELOCITY", "control_step", "path_ending", "say"]
@@ -52,7 +52,7 @@ Floats = NDArray[np.float64]
 Records = NDArray[np.void]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def control_step(
     params: BaseParams,
     task: BaseTask,
@@ -81,7 +81,7 @@ def control_step(
     base.stood = base.stood + 1 if base.rate <= 0.0 else 0
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def path_ending(base: Any, path: Floats) -> int:
     """How far a path is before the next step: `RUNNING`, `DONE`, `STOPPED`."""
     if base.mode != PATH:
@@ -89,7 +89,7 @@ def path_ending(base: Any, path: Floats) -> int:
     return DONE if base.phase > len(path) - 1 else STOPPED if base.stood >= STANDING else RUNNING
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def say(base: Any, wheels: Records, states: Records, row: Any, rows: Floats) -> None:
     """Write a `CONTROL_SAMPLE`, and `SEEN_WHEEL_SAMPLE` of the wheels in rows (4, 4 n)."""
     row.seen_x, row.seen_y, row.seen_theta = base.seen_x, base.seen_y, base.seen_theta
@@ -107,7 +107,7 @@ def say(base: Any, wheels: Records, states: Records, row: Any, rows: Floats) -> 
             rows[3, i * WIDTH + lane] = states[i].count[lane]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _sense(params: BaseParams, signals: WheelSignals, wheels: Records, states: Records, work: Work) -> None:
     """Counters, observers and shunts; rim speeds, and what they are without the creep of a gripping wheel."""
     for i in range(len(wheels)):
@@ -119,7 +119,7 @@ def _sense(params: BaseParams, signals: WheelSignals, wheels: Records, states: R
         work.rims[i] = 0.0
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _detect(params: BaseParams, base: Any, work: Work) -> None:
     """Ask the slip detector, but where all is calm."""
     if params.detect and not (base.calm != 0 and _square(params.residual, work.gripping) <= params.quiet):
@@ -134,7 +134,7 @@ def _detect(params: BaseParams, base: Any, work: Work) -> None:
     work.last[:] = work.gripping
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _react(params: BaseParams, path: Floats, base: Any, wheels: Records, states: Records, work: Work) -> None:
     """Leave out wheels that slip and motors that are lost; drive slower, or stop, where the others must not push so."""
     m = len(params.rows)
@@ -153,7 +153,7 @@ def _react(params: BaseParams, path: Floats, base: Any, wheels: Records, states:
         base.goal = min(base.goal, rest)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _refer(params: BaseParams, path: Floats, base: Any, change: float, now: Floats) -> None:
     """Reference of this sample: on the path, the twist that was asked for within limits, or the pose that is held."""
     if base.mode == PATH:
@@ -167,7 +167,7 @@ def _refer(params: BaseParams, path: Floats, base: Any, change: float, now: Floa
     base.ref_vx, base.ref_vy, base.ref_w, base.ref_rate = now[3], now[4], now[5], base.rate
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _shape(params: BaseParams, base: Any, now: Floats) -> None:
     """Nearest drivable twist to the one asked for, zero once that is too old, within speed, acceleration and jerk."""
     shaping = params.shaping
@@ -185,7 +185,7 @@ def _shape(params: BaseParams, base: Any, now: Floats) -> None:
     now[8] = base.shaped_aw
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _estimate(params: EstimateParams, rows: Floats, base: Any, work: Work) -> Planar:
     before = Planar(base.seen_vx, base.seen_vy, base.seen_w)
     twist, base.gyro_bias = estimate_step(
@@ -197,7 +197,7 @@ def _estimate(params: EstimateParams, rows: Floats, base: Any, work: Work) -> Pl
     return twist
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _keep(params: BaseParams, base: Any, reference: Floats) -> tuple[Planar, Planar]:
     """Twist to command and acceleration to feed forward."""
     pose = Planar(base.seen_x, base.seen_y, base.seen_theta)
@@ -212,7 +212,7 @@ def _keep(params: BaseParams, base: Any, reference: Floats) -> tuple[Planar, Pla
     return command, ahead
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _drive(
     params: BaseParams, signals: WheelSignals, command: Planar, wanted: Planar, twist: Planar,
     wheels: Records, states: Records,
@@ -230,7 +230,7 @@ def _drive(
         store(signals.voltages, i, own.voltage)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _square(residual: Floats, rims: Floats) -> float:
     """Square sum, (m/s)^2, of what no twist explains of rim speeds."""
     total = 0.0
@@ -242,7 +242,7 @@ def _square(residual: Floats, rims: Floats) -> float:
     return total
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _no_slip(inverse: Floats, rims: Floats) -> SlipState:
     """Return the state that `slip_step` takes in silence: it trusts the twist of all wheels."""
     vx, vy, rw = 0.0, 0.0, 0.0
@@ -253,7 +253,7 @@ def _no_slip(inverse: Floats, rims: Floats) -> SlipState:
     return SlipState(vx, vy, rw, 0.0, 0.0, vx, vy, rw, 0.0, 0.0, 0, False, 0, 0, 0, 0, 0, False)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _keep_slip(own: Any, after: SlipState) -> None:
     """Remember what slip detection carries from sample to sample."""
     own.vx, own.vy, own.rw, own.slack, own.angular_slack = (

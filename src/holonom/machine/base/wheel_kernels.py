@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from holonom.control.base_kernels import (
@@ -35,6 +34,7 @@ from holonom.devices.kernels import (
 )
 from holonom.mobile.drive.slip_kernels import NO_SLIP
 from holonom.trace.compiled import select
+from holonom.trace.loops import loop
 from holonom.trace.simd import WIDTH, largest, packed
 
 __all__ = [
@@ -56,7 +56,7 @@ Integers = NDArray[np.int64]
 Records = NDArray[np.void]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def sense(wheels: Any, states: Any, counters: Integers, currents: Any, block: int) -> None:
     """Counters, observers and shunts of four wheels, a block of those that are measured; their rim speeds, m/s."""
     wheel, own = packed(wheels), packed(states)
@@ -72,7 +72,7 @@ def sense(wheels: Any, states: Any, counters: Integers, currents: Any, block: in
     own.rim = wheel.radius * after.speed / wheel.gear.ratio
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def watch_motors(params: WatchParams, wheels: Records, states: Records, m: int, base: Any, held: bool) -> int:
     """Set (bit i: wheel i) of the motors that do not do as they are told; once lost they stay so.
 
@@ -98,7 +98,7 @@ def watch_motors(params: WatchParams, wheels: Records, states: Records, m: int, 
     return lost
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def set_weights(traction: bool, states: Records, named: int, trust: Floats, weights: Floats) -> int:
     """Which wheels are believed (one without current turns freely) and asked for force; set of those that jam."""
     jams = 0
@@ -110,7 +110,7 @@ def set_weights(traction: bool, states: Records, named: int, trust: Floats, weig
     return jams
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def share_force(rows: Floats, weights: Floats, share: Floats, states: Records) -> None:
     """Share the force on the base among the wheels, in `share` (m, 3) and in their states."""
     allocation(rows, weights, share)
@@ -119,19 +119,19 @@ def share_force(rows: Floats, weights: Floats, share: Floats, states: Records) -
         own.force_x[lane], own.force_y[lane], own.force_turn[lane] = share[i, 0], share[i, 1], share[i, 2]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def rim_force(own: Any, force: Planar) -> Any:
     """Rim force (N) that is asked of a wheel, for a force on the base (N, N, N m)."""
     return own.force_x * force.x + own.force_y * force.y + own.force_turn * force.turn
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def rim_speed(wheel: Any, twist: Planar) -> Any:
     """Rim speed (m/s) of a wheel that does not slip while the base has a twist."""
     return wheel.rim_x * twist.x + wheel.rim_y * twist.y + wheel.rim_turn * twist.turn
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def driven_part(states: Records, force: Planar, limit: float) -> float:
     """Part (0 to 1) of a wanted force (N, N, N m) that no wheel needs more than `limit` (N) for, by its shares."""
     worst = limit
@@ -140,7 +140,7 @@ def driven_part(states: Records, force: Planar, limit: float) -> float:
     return limit / worst
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def control_traction(params: TractionParams, wheel: Any, own: Any, ground: float, force: float) -> float:
     """Hold the commanded rim speed near the floor's; return the drive force (N) that is left."""
     own.cut = traction_step(params, own.cut, own.rim - ground, own.current_reference * wheel.gear.ratio)
@@ -148,7 +148,7 @@ def control_traction(params: TractionParams, wheel: Any, own: Any, ground: float
     return own.cut * force
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def drive_wheels(wheel: Any, own: Any, force: float, acceleration: float) -> None:
     """Speed loop and voltage of a wheel, fed forward the force (N) and acceleration (m/s2) of its rim."""
     ratio, r = wheel.gear.ratio, wheel.radius
@@ -162,7 +162,7 @@ def drive_wheels(wheel: Any, own: Any, force: float, acceleration: float) -> Non
     own.current_reference, own.integral = select(works, current, 0.0), select(works, integral, 0.0)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def creep(full: float, used: float) -> float:
     """Slip (m/s) of a gripping wheel that uses a part of its grip; half as much again with all of it.
 

@@ -7,15 +7,16 @@ few enough to eliminate u by pairing the rows (Fourier and Motzkin), so no linea
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from holonom.trace.loops import loop
 
 __all__ = ["controllable", "fastest"]
 
 Floats = NDArray[np.float64]
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def controllable(
     s: Floats, a: Floats, b: Floats, c: Floats, top: Floats, lower: Floats, upper: Floats, rows: Floats
 ) -> int:
@@ -55,7 +56,7 @@ def controllable(
     return -1
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def fastest(
     s: Floats, a: Floats, b: Floats, c: Floats, lower: Floats, upper: Floats, x: Floats, u: Floats, rows: Floats
 ) -> None:
@@ -75,7 +76,7 @@ def fastest(
         u[i] = (x[i + 1] - x[i]) / step
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _bound(coefficient: float, right: float, low: float, high: float) -> tuple[float, float]:
     """`low` <= x <= `high` and coefficient x <= right."""
     if coefficient > 0.0:
@@ -85,7 +86,7 @@ def _bound(coefficient: float, right: float, low: float, high: float) -> tuple[f
     return low, high if right >= 0.0 else -np.inf
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _stage(s: Floats, a: Floats, b: Floats, c: Floats, i: int, low: float, high: float, rows: Floats) -> None:
     """All rows of the interval from i to i + 1: the limits at both its ends, and what is controllable at the next."""
     m, step = a.shape[1], 2.0 * (s[i + 1] - s[i])

@@ -11,8 +11,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from holonom.trace.loops import loop
 
 __all__ = ["AMBIGUOUS", "NO_SLIP", "SLIP", "UNDETECTABLE", "SlipParams", "SlipSample", "SlipState", "slip_samples",
            "slip_start", "slip_step"]  # fmt: skip
@@ -93,14 +94,14 @@ class SlipSample(NamedTuple):
     statistic: float
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def slip_start() -> SlipState:
     """State before the first sample: no twist is trusted yet."""
     inf = math.inf
     return SlipState(0.0, 0.0, 0.0, inf, inf, 0.0, 0.0, 0.0, inf, inf, 0, False, 0, 0, 0, 0, 0, False)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def slip_step(
     params: SlipParams, state: SlipState, speeds: Floats, rate: float, acceleration: Floats
 ) -> tuple[SlipState, SlipSample]:
@@ -156,7 +157,7 @@ def slip_step(
     return after, _sample(params, after, union, vx, vy, rw, statistic)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def slip_samples(
     params: SlipParams, state: SlipState, speeds: Floats, rate: Floats, acceleration: Floats,
     status: Integers, wheels: Integers, twist: Floats, statistic: Floats,
@@ -170,7 +171,7 @@ def slip_samples(
     return state
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _sample(
     params: SlipParams, state: SlipState, union: int, vx: float, vy: float, rw: float, statistic: float
 ) -> SlipSample:
@@ -183,7 +184,7 @@ def _sample(
     return SlipSample(AMBIGUOUS, 0, union if union != 0 else params.suspects, vx, vy, rw, statistic)
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _carry(params: SlipParams, state: SlipState, rate: float, acceleration: Floats) -> SlipState:
     """Last trusted twist in base_link one sample later: the frame turns under it, the base may accelerate."""
     dt = params.dt
@@ -204,7 +205,7 @@ def _carry(params: SlipParams, state: SlipState, rate: float, acceleration: Floa
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _trust(state: SlipState, vx: float, vy: float, rw: float) -> SlipState:
     """Trust a twist; where nothing slips, hold it as the one before the next slip."""
     hx, hy, hr, slack, angular = (
@@ -216,7 +217,7 @@ def _trust(state: SlipState, vx: float, vy: float, rw: float) -> SlipState:
                      state.agreed, state.named, state.doubt, state.side, state.mixed)  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _side(params: SlipParams, speeds: Floats, vx: float, vy: float, rw: float) -> int:
     """Sign of the residual where it has one direction only; 0 where it has more."""
     i = params.pivot
@@ -226,7 +227,7 @@ def _side(params: SlipParams, speeds: Floats, vx: float, vy: float, rw: float) -
     return 1 if left > 0.0 else -1 if left < 0.0 else 0
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _fit(params: SlipParams, h: int, speeds: Floats) -> tuple[float, float, float, float]:
     """Twist of hypothesis h, and the weighted square sum of what it leaves of the wheels that it keeps."""
     rows, table = params.rows, params.hypotheses
@@ -245,7 +246,7 @@ def _fit(params: SlipParams, h: int, speeds: Floats) -> tuple[float, float, floa
     return vx, vy, rw, total
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _distance(params: SlipParams, h: int, last: SlipState, vx: float, vy: float, rw: float, rate: float) -> float:
     """How far the twist of hypothesis h is from the second sources, as a share of what noise and limits allow."""
     own, turn = params.hypotheses[h, LINEAR], params.hypotheses[h, ANGULAR]
@@ -258,7 +259,7 @@ def _distance(params: SlipParams, h: int, last: SlipState, vx: float, vy: float,
     return farthest
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _standing(params: SlipParams, last: SlipState, speeds: Floats, rate: float) -> tuple[int, int, int]:
     """Wheels common to all standing hypotheses, wheels of any of them, and the nearest to the second sources.
 
@@ -293,7 +294,7 @@ def _standing(params: SlipParams, last: SlipState, speeds: Floats, rate: float) 
     return common, union, best
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _debounce(
     params: SlipParams, state: SlipState, above: bool, common: int, standing: int, nearest: int, side: int
 ) -> SlipState:
@@ -322,7 +323,7 @@ def _debounce(
                      state.held_angular_slack, level, raised, pending, agreed, named, doubt, side, mixed)  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _doubt(params: SlipParams, state: SlipState, above: bool, common: int, standing: int, nearest: int) -> int:
     """How strongly this and the last samples speak against the name, in samples; two that contradict it suffice."""
     named = state.named

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from holonom.trace.compiled import TRIG_FLAGS, select, sincos
+from holonom.trace.loops import loop
 
 __all__ = ["all_finite", "integrate_into", "propagate_into", "sensitivities_into"]
 
@@ -16,7 +16,7 @@ LANES = 64
 SMALL = 1e-4  # turn of one step, rad, below which the chord's length is its series
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def all_finite(rows: Floats) -> bool:
     """Whether no number of (N, m) is NaN or infinite."""
     for k in range(rows.shape[0]):
@@ -26,7 +26,7 @@ def all_finite(rows: Floats) -> bool:
     return True
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _chord(turn: float) -> tuple[float, float]:
     """Chord over arc of a turn, `sin(turn/2) / (turn/2)`, and its derivative by the turn."""
     half = 0.5 * turn
@@ -36,7 +36,7 @@ def _chord(turn: float) -> tuple[float, float]:
     return ratio, 0.5 * (np.cos(half) - ratio) / half
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=TRIG_FLAGS)
+@loop(nogil=True, error_model="numpy", fastmath=TRIG_FLAGS)
 def integrate_into(features: Floats, M: Floats, start: Floats, share: float, exact: bool, poses: Floats) -> None:
     """Add up increments `M features[k]` (3,) in the robot frame from `start` (3,); `poses` (N, 3) follow each one.
 
@@ -78,7 +78,7 @@ def integrate_into(features: Floats, M: Floats, start: Floats, share: float, exa
             poses[first + k, 1] = y
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def step_jacobians(
     theta: float, increment: Floats, share: float, exact: bool, by_pose: Floats, by_increment: Floats
 ) -> None:
@@ -102,7 +102,7 @@ def step_jacobians(
     by_increment[2, 2] = 1.0
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def propagate_into(
     increments: Floats,
     noise: Floats,
@@ -128,7 +128,7 @@ def propagate_into(
         theta += increments[k, 2]
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def _congruence(A: Floats, S: Floats, half: Floats, out: Floats) -> None:
     """`out = A S A^T`, 3 x 3, by way of `half`."""
     for i in range(3):
@@ -139,7 +139,7 @@ def _congruence(A: Floats, S: Floats, half: Floats, out: Floats) -> None:
             out[i, j] = half[i, 0] * A[j, 0] + half[i, 1] * A[j, 1] + half[i, 2] * A[j, 2]
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def sensitivities_into(
     features: Floats, M: Floats, start: Floats, share: float, exact: bool, poses: Floats, out: Floats
 ) -> None:

@@ -9,11 +9,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from holonom.devices.drive_signals import JointSignals
 from holonom.devices.kernels import armature_step, encoder_counter, friction_torque, gear_torque
+from holonom.trace.loops import loop
 from holonom.trace.pointer import call_kernel
 
 __all__ = ["arm_step", "compare", "sense"]
@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 Records = NDArray[np.void]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def arm_step(
     plant: int, dt: float, axes: Records, states: Records, signals: JointSignals, source: Floats, target: Floats
 ) -> float:
@@ -41,7 +41,7 @@ def arm_step(
     return float(target[n])
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def sense(axes: Records, states: Records, signals: JointSignals) -> None:
     """Write the counters of the encoders."""
     for i in range(states.shape[0]):
@@ -49,7 +49,7 @@ def sense(axes: Records, states: Records, signals: JointSignals) -> None:
         signals.counters[i] = encoder_counter(axis.encoder, axis.gear.ratio * states[i].position)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def compare(states: Records, reference: Floats) -> None:
     """Following errors: the true positions against a reference (n,)."""
     for i in range(states.shape[0]):
@@ -59,7 +59,7 @@ def compare(states: Records, reference: Floats) -> None:
         state.square_error += error * error
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _drive(axis: Any, state: Any, voltage: float) -> None:
     """Armature, motor friction and gear of one step."""
     speed = axis.gear.ratio * state.speed
@@ -72,7 +72,7 @@ def _drive(axis: Any, state: Any, voltage: float) -> None:
     state.peak_torque = max(state.peak_torque, abs(state.torque))
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _move(state: Any, acceleration: float, dt: float) -> None:
     """Semi-implicit Euler: speed first, then position with the new speed."""
     state.speed += dt * acceleration

@@ -13,11 +13,11 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from holonom.devices.kernels import armature_step
 from holonom.trace.compiled import arctan, select, sincos_half_turn
+from holonom.trace.loops import loop
 from holonom.trace.simd import any_of, packed, total
 
 __all__ = [
@@ -44,7 +44,7 @@ Integers = NDArray[np.int64]
 Records = NDArray[np.void]
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def slip_friction(material: Any, slip: Any) -> tuple[Any, Any]:
     """Friction coefficient and its slope (s/m) at a slip speed (m/s): `D sin(C atan(B s))`; 0 where it falls."""
     x = material.stiffness * abs(slip)
@@ -53,7 +53,7 @@ def slip_friction(material: Any, slip: Any) -> tuple[Any, Any]:
     return math.copysign(material.peak * sine, slip), steepest / (1.0 + x * x) * max(cosine, 0.0)
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS)
+@loop(error_model="numpy", fastmath=FLAGS)
 def break_motor(states: Any, lane: int, kind: int) -> None:
     """Give the motor of a wheel, a lane of its record, one of the states `RUNS`, `DEAD`, `BLOCKED`."""
     states.conducts[lane] = 0.0 if kind == DEAD else 1.0
@@ -64,7 +64,7 @@ def break_motor(states: Any, lane: int, kind: int) -> None:
         states.current[lane] = 0.0
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS)
+@loop(error_model="numpy", fastmath=FLAGS)
 def plant_steps(body: Any, state: Any, wheels: Records, states: Records, passive: Floats) -> None:
     """Advance body and wheels by `body.substeps` steps of `body.dt`, in place.
 
@@ -75,7 +75,7 @@ def plant_steps(body: Any, state: Any, wheels: Records, states: Records, passive
         _step(body, state, wheels, states, passive)
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _step(body: Any, state: Any, wheels: Records, states: Records, passive: Floats) -> None:
     """Forces from the slip at the end of the step, to first order; wheels are eliminated, the body's 3 x 3 is left."""
     h = body.dt
@@ -113,7 +113,7 @@ def _step(body: Any, state: Any, wheels: Records, states: Records, passive: Floa
     _advance(body, state, wheels, states, dx, dy, dw)
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _weigh(body: Any, state: Any, wheels: Records, states: Records, passive: Floats) -> float:
     """Loads (N) from weight and the moments `-M a h` of acceleration; what they must be scaled by to carry the weight.
 
@@ -130,7 +130,7 @@ def _weigh(body: Any, state: Any, wheels: Records, states: Records, passive: Flo
     return weight / carried
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _motor(wheel: Any, own: Any, h: float) -> tuple[Any, Any]:
     """Current at the end of the step, torque on the wheel, and how torque falls with wheel speed (N m s)."""
     ratio = wheel.gear.ratio
@@ -143,7 +143,7 @@ def _motor(wheel: Any, own: Any, h: float) -> tuple[Any, Any]:
     return gain * motor, ratio * gain * (electric + slope)
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _friction(params: Any, speed: Any) -> tuple[Any, Any]:
     """Return `devices.friction_torque` and its slope (N m s) at a motor speed."""
     coulomb = select(speed > 0.0, params.coulomb_positive, params.coulomb_negative)
@@ -153,7 +153,7 @@ def _friction(params: Any, speed: Any) -> tuple[Any, Any]:
     return params.viscous * speed + part * speed, params.viscous + part * smooth * inverse * inverse
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _slip(wheel: Any, own: Any, state: Any) -> tuple[Any, Any, Any, Any]:
     """Forces on the base along and across (N), and their slopes over slip (N s/m), at the start of the step."""
     along = wheel.along_radius * own.speed - (
@@ -170,7 +170,7 @@ def _slip(wheel: Any, own: Any, state: Any) -> tuple[Any, Any, Any, Any]:
     return forces
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _roller_forces(wheel: Any, own: Any, along: Any, across: Any) -> tuple[Any, Any, Any, Any]:
     """Friction along, bearing drag across; forces and slopes."""
     mu, slope = slip_friction(own.material, along)
@@ -180,7 +180,7 @@ def _roller_forces(wheel: Any, own: Any, along: Any, across: Any) -> tuple[Any, 
     return own.load * mu, drag * inverse * across, own.load * slope, drag * inverse * part * part
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _tyre_forces(own: Any, along: Any, across: Any) -> tuple[Any, Any, Any, Any]:
     """Friction in the direction of slip; forces, and their secants instead of slopes."""
     slip = math.sqrt(along * along + across * across) + LEAST_SLIP
@@ -189,12 +189,12 @@ def _tyre_forces(own: Any, along: Any, across: Any) -> tuple[Any, Any, Any, Any]
     return secant * along, secant * across, secant, secant
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _chosen(which: Any, a: tuple[Any, ...], b: tuple[Any, ...]) -> tuple[Any, Any, Any, Any]:
     return select(which, a[0], b[0]), select(which, a[1], b[1]), select(which, a[2], b[2]), select(which, a[3], b[3])
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _solve(
     xx: float, yy: float, ww: float, xy: float, xw: float, yw: float, bx: float, by: float, bw: float
 ) -> tuple[float, float, float]:
@@ -209,7 +209,7 @@ def _solve(
     )
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _advance(body: Any, state: Any, wheels: Records, states: Records, dx: float, dy: float, dw: float) -> None:
     """Forces at the end of the step, within the friction limit; speeds, energies and pose from them."""
     h = body.dt
@@ -228,7 +228,7 @@ def _advance(body: Any, state: Any, wheels: Records, states: Records, dx: float,
     _move(state, h, vx + 0.5 * dx, vy + 0.5 * dy, w + 0.5 * dw)
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _settle_wheel(wheel: Any, own: Any, h: float, dx: float, dy: float, dw: float) -> tuple[Any, Any]:
     """Final forces of a wheel (N), and the change of its speed."""
     rl, rx = wheel.along_radius, wheel.across_radius
@@ -248,7 +248,7 @@ def _settle_wheel(wheel: Any, own: Any, h: float, dx: float, dy: float, dw: floa
     return along, across
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _held(wheel: Any, along: Any, across: Any, limit: Any) -> tuple[Any, Any]:
     """Forces held to the friction limit (N); rollers get what the drive leaves."""
     rolls = wheel.rollers > 0.0
@@ -258,7 +258,7 @@ def _held(wheel: Any, along: Any, across: Any, limit: Any) -> tuple[Any, Any]:
     return select(rolls, drive, part * along), select(rolls, min(max(across, -room), room), part * across)
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _book(state: Any, wheels: Records, states: Records, h: float, vx: float, vy: float, w: float) -> None:
     """Turn the wheels on, and add the step to the energies, at the mean speeds of the step."""
     for i in range(len(wheels)):
@@ -280,7 +280,7 @@ def _book(state: Any, wheels: Records, states: Records, h: float, vx: float, vy:
         own.angle += h * own.speed
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _move(state: Any, h: float, vx: float, vy: float, w: float) -> None:
     """Pose from the new velocity (still in the old axes), which keeps its direction while base_link turns."""
     c, s = state.cosine, state.sine
@@ -292,7 +292,7 @@ def _move(state: Any, h: float, vx: float, vy: float, w: float) -> None:
     state.vx, state.vy, state.w = a * vx + b * vy, a * vy - b * vx, w
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS, forceinline=True)
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _cosine_sine(angle: float) -> tuple[float, float]:
     """Cosine and sine of the turn of one step, by their series; exact to rounding below 0.1 rad."""
     z = angle * angle

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from holonom.devices.drive_signals import WheelSignals
 from holonom.sim.base.step_kernels import BasePlantParams, advance
+from holonom.trace.loops import loop
 from holonom.trace.simd import WIDTH, packed
 
 __all__ = ["drive_open", "log_body", "log_wheels"]
@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 Records = NDArray[np.void]
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def log_body(body: Any, row: Any) -> None:
     """Log the true state of the body and the energies."""
     row.x, row.y, row.theta = body.x, body.y, body.theta
@@ -28,7 +28,7 @@ def log_body(body: Any, row: Any) -> None:
     row.drag, row.ground = body.drag, body.ground
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def log_wheels(states: Records, rows: Records) -> None:
     """Log all wheels, four in each row: motor, forces on the floor, slip."""
     for i in range(len(states)):
@@ -39,7 +39,7 @@ def log_wheels(states: Records, rows: Records) -> None:
         row.friction_limit = own.load * own.material.peak
 
 
-@njit(cache=True, error_model="numpy")
+@loop(error_model="numpy")
 def drive_open(
     params: BasePlantParams,
     state: Records,

@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from holonom.devices.drive_signals import WheelSignals
 from holonom.devices.kernels import EncoderParams, encoder_counter
 from holonom.sim.base.kernels import break_motor, plant_steps
 from holonom.trace.compiled import sincos
+from holonom.trace.loops import loop
 from holonom.trace.simd import WIDTH, load, packed, store
 
 __all__ = ["BasePlantParams", "SensorParams", "advance", "find_material", "sense"]
@@ -44,7 +44,7 @@ class BasePlantParams(NamedTuple):
     sensors: SensorParams
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def advance(params: BasePlantParams, state: Records, states: Records, signals: WheelSignals, noise: Floats) -> None:
     """One millisecond under the voltages of `signals`, then what the sensors read, in it.
 
@@ -60,7 +60,7 @@ def advance(params: BasePlantParams, state: Records, states: Records, signals: W
     sense(params, state, states, signals, noise)
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def sense(params: BasePlantParams, state: Records, states: Records, signals: WheelSignals, noise: Floats) -> None:
     """What breaks now breaks; then counters (16 bit), currents (A), turning rate (rad/s) and acceleration (m/s2)."""
     body, sensors = state[0], params.sensors
@@ -80,7 +80,7 @@ def sense(params: BasePlantParams, state: Records, states: Records, signals: Whe
         store(signals.currents, i, packed(own).current + sensors.current_noise * load(noise[3:], i))
 
 
-@njit(cache=True, error_model="numpy", forceinline=True)
+@loop(error_model="numpy", forceinline=True)
 def _floor(floor: Records, patches: Records, base: Any, wheels: Records, states: Records, near: bool) -> bool:
     """Look up the material under each wheel, if a patch is near or was (`near`); whether one is."""
     s, c = sincos(base.theta)
@@ -99,7 +99,7 @@ def _floor(floor: Records, patches: Records, base: Any, wheels: Records, states:
     return near
 
 
-@njit(cache=True, error_model="numpy", fastmath=FLAGS)
+@loop(error_model="numpy", fastmath=FLAGS)
 def find_material(floor: Records, patches: Records, x: float, y: float, states: Any, lane: int) -> None:
     """Set the material under a wheel, a lane of its record, at (x, y), m in the world; the last patch counts."""
     found = -1
