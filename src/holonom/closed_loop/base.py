@@ -52,11 +52,11 @@ class BaseLoop:
 
     def advance(self, ticks: int = 10) -> None:
         """Drive on for some milliseconds."""
-        run_ticks(*self._arguments(), self.plant.noise(ticks))  # type: ignore[call-arg]
+        run_ticks(*self._arguments(), self.plant.noise(ticks))
 
     def advance_logged(self, log: LogBuffer) -> int:
         """Drive on until the buffer is full or the path ends; return the milliseconds it took."""
-        return int(run_logged(*self._arguments(), self.plant.noise(len(log.body)), log))  # type: ignore[call-arg]
+        return int(run_logged(*self._arguments(), self.plant.noise(len(log.body)), log))
 
     def buffer(self, ticks: int) -> LogBuffer:
         """Return an empty buffer for some milliseconds."""

@@ -142,7 +142,8 @@ class PointBuffer:
     def restart(self) -> None:
         """Begin again where it stands."""
         self.state, self.reason = LevelState.STANDING, ""
-        self._refused, self._place, self._braking = "", 0, self.rate
+        self._refused, self._place = "", 0
+        self._pace = self._braking = np.zeros_like(self.rate)
         self._points, self._samples = [self.position.copy()], np.empty((0, len(self.position)))
         self._slope = np.zeros_like(self.position)
 
@@ -213,17 +214,19 @@ class PointBuffer:
 
     def _use_up(self) -> None:
         """The points have come to an end: at rest that is that; in motion the level above is at fault."""
-        moving = bool((np.abs(self.rate) > self.acceleration * self.levels.supervisor).any())
+        moving = bool((np.abs(self._pace) > self.acceleration * self.levels.supervisor).any())
         if not (moving or self._refused):
             self.state = LevelState.STANDING
             return
         late = f"{self.name} is late: no point came within its period of {1e3 * self.levels.supervisor:g} ms"
-        self.reason, self._braking = self._refused or late, self.rate
+        self.reason, self._braking = self._refused or late, self._pace
+        self.rate = self._pace
         self.state = LevelState.STOPPING if moving else LevelState.STANDING
 
     def _begin_segment(self) -> None:
         """Interpolate to the next point; a cubic takes its slopes from the points that are known now."""
         a, b = self._points[0], self._points[1]
+        self._pace = (b - a) / self.levels.supervisor
         if self.levels.interpolation == "cubic":
             slope = self._slope
             self._slope = 0.5 * (self._points[2] - a) if len(self._points) > 2 else b - a

@@ -1,0 +1,174 @@
+"""What a cell is once it is read: the parts of a run, in SI and as domain objects; nothing of the file is left."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.app.report import PhotoOverlay, Scene
+from holonom.lang import Part, Program
+from holonom.machine import BaseSettings, ControlSettings, LineSettings, ReferencePath
+from holonom.mechanics import Arm
+from holonom.mobile import BaseDrive, BaseSensors, WheelBase
+from holonom.sim import BaseFault, Disc, Floor, Gripper, Ground, Surface
+
+__all__ = ["ArmJob", "BaseJob", "FieldPlace", "Job", "Mount", "Obstacle", "SensorJob", "SignalEvent", "Task"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Mount:
+    """Where a robot stands: in the world, or on a frame of another robot; T (4, 4) from there to its own origin."""
+
+    T: Array
+    robot: str | None = None
+    frame: str = "base_link"
+
+
+@dataclass(frozen=True, slots=True)
+class ArmJob:
+    """An arm and what it is to do.
+
+    Attributes
+    ----------
+    name
+        "" for the only robot of a short form.
+    arm
+        With tool, load and limits; on its base where it stands in the world, at the origin where it is mounted.
+    mount
+        None where `arm` stands on its own base already.
+    drives
+        "motors" (stated), "from_limits" (sized): the arm's model has them; "ideal": joints follow within limits.
+    settings
+        One for each controller under which the program runs; all but the last for comparison.
+    home
+        Joints (n,), rad or m.
+    program, entry
+        None: it stands.
+    look
+        The parts that its camera sees.
+    gripper, ground, line
+        Its hand, what lies under its tool, what 100 % means on lines.
+    """
+
+    name: str
+    arm: Arm
+    mount: Mount | None
+    drives: str
+    settings: tuple[ControlSettings, ...]
+    home: Array
+    program: Program | None
+    entry: str | None
+    look: tuple[Part, ...]
+    gripper: Gripper | None
+    ground: Ground
+    line: LineSettings
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """What a base is to do: one of a path, velocities (rows time, vx, vy, w from its start on) and holding (s).
+
+    It begins at `start` (s), or when signal `after` goes on; at its end signal `done` is switched on.
+    """
+
+    path: ReferencePath | None = None
+    velocities: Array | None = None
+    hold: float | None = None
+    start: float = 0.0
+    after: int | None = None
+    done: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class BaseJob:
+    """A mobile base and what it is to do.
+
+    `drives` is "motors", "from_limits" or "ideal"; `pose` (3,) x, y, theta is where it starts; `sensors` are its
+    inertial sensors as they err, and are known to; `frames` are T (4, 4) of the frames that other robots stand on.
+    """
+
+    name: str
+    base: WheelBase
+    drive: BaseDrive
+    drives: str
+    settings: BaseSettings
+    sensors: BaseSensors
+    pose: Array
+    task: Task
+    faults: tuple[BaseFault, ...]
+    frames: Mapping[str, Array]
+
+
+@dataclass(frozen=True, slots=True)
+class SensorJob:
+    """A sensor that is read at each record: `make` of its method gave `sensor`; on which robot; what it is called."""
+
+    name: str
+    robot: str
+    kind: str
+    sensor: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacle:
+    """Something that nothing may hit: T (4, 4) of its middle; a box of `size` (m), or an upright cylinder."""
+
+    name: str
+    T: Array
+    size: tuple[float, float, float] | None = None
+    radius: float = 0.0
+    height: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class FieldPlace:
+    """A field of a tray: T (4, 4) of its corner, extent along x and y (m), height below which parts lie in it."""
+
+    name: str
+    T: Array
+    size: tuple[float, float]
+    height: float
+
+
+@dataclass(frozen=True, slots=True)
+class SignalEvent:
+    """A signal that is switched at a time, s."""
+
+    at: float
+    number: int
+    on: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """All that a run needs.
+
+    `fields` are where parts are to go; `scene` and `photograph` are what the report shows; `notes` are sentences about
+    what was assumed, for check, summary and report; `unreachable` are taught locations that no arm can go to.
+    """
+
+    name: str
+    description: str
+    file: Path
+    seed: int
+    time_limit: float
+    arms: tuple[ArmJob, ...] = ()
+    bases: tuple[BaseJob, ...] = ()
+    floor: Floor = field(default_factory=Floor)
+    surfaces: tuple[Surface, ...] = ()
+    parts: tuple[Disc, ...] = ()
+    obstacles: tuple[Obstacle, ...] = ()
+    sensors: tuple[SensorJob, ...] = ()
+    events: tuple[SignalEvent, ...] = ()
+    fields: tuple[FieldPlace, ...] = ()
+    scene: Scene = field(default_factory=lambda: Scene((), ()))
+    photograph: PhotoOverlay | None = None
+    notes: tuple[str, ...] = ()
+    unreachable: tuple[str, ...] = ()
