@@ -45,6 +45,10 @@ def test_a_supervisor_that_sends_nonsense_is_named() -> None:
     for _ in range(30):
         queue.take(10)
     queue.planned.q[queue._used + 100 :] = np.nan
-    with pytest.raises(LevelFault, match="the supervisor sent .*not finite"):
-        for _ in range(200):
-            queue.take(10)
+    with pytest.raises(LevelFault, match=r"the supervisor sent .*not finite"):
+        exhaust(queue)
+
+
+def exhaust(queue: MotionQueue) -> None:
+    for _ in range(200):
+        queue.take(10)
