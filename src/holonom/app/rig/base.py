@@ -45,7 +45,8 @@ def make_base(job: BaseJob, floor: Floor, rng: np.random.Generator) -> BaseLoop:
     """Return the base with its controller, standing where it starts."""
     ideal = job.drives == "ideal"
     plant = BasePlant(job.base, job.drive, floor, sensors=job.sensors, faults=job.faults, rng=rng, ideal=ideal)
-    loop = BaseLoop(BaseController(job.base, job.drive, job.settings, creep=creep_on(floor)), plant)
+    settings = job.settings.without_motors() if ideal else job.settings
+    loop = BaseLoop(BaseController(job.base, job.drive, settings, creep=creep_on(floor)), plant)
     path, twist = job.task.path, (0.0, 0.0, 0.0)
     if path is not None and job.task.after is None and job.task.start == 0.0:
         twist = tuple(path.twist[0])
