@@ -15,6 +15,7 @@ from holonom.closed_loop.base import driven_part
 from holonom.errors import DriveFault
 from holonom.machine import BaseController, Creep
 from holonom.machine.base.kernels import RUNNING, STOPPED
+from holonom.machine.base.paths import sampled
 from holonom.machine.digital import DigitalSignals
 from holonom.machine.group import planar_pose
 from holonom.machine.supervisor import StopCategory
@@ -124,7 +125,7 @@ class BaseRig:
                 return
             self._began = now
             if task.path is not None:
-                path = task.path
+                path = sampled(task.path, self.job.levels)
                 self.loop.controller.follow_path(np.hstack([path.pose, path.twist, path.acceleration]))
         since = now - self._began
         if task.velocities is not None and not self._ended:
