@@ -102,7 +102,7 @@ def test_silence_stops_it() -> None:
     loop.advance(800)
     assert np.abs(loop.plant.twist).max() < 0.01
     assert 0.5 < loop.plant.pose[0] < 1.0
-    assert loop.controller.silence == "the level above is silent: no velocity came for 950 ms"
+    assert loop.controller.silence == "the level above is silent: no velocity came for 960 ms"
 
 
 def test_it_drives_the_nearest_twist_and_no_faster_than_its_wheels() -> None:
