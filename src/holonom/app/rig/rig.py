@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from holonom.app.job import ArmJob, Job, Mount
 from holonom.app.recording import Recorder
+from holonom.app.report.facts import Ending as EndingFacts
 from holonom.app.rig.arm import ArmRig, make_loop
 from holonom.app.rig.base import BaseRig, make_base
 from holonom.app.rig.collisions import Collisions
@@ -119,14 +120,18 @@ class Rig:
         return TICK * self._ticks
 
     def run(
-        self, *, stop: Callable[[], bool] = lambda: False, progress: Callable[[float], None] = lambda t: None
+        self,
+        *,
+        stop: Callable[[], bool] = lambda: False,
+        overdue: Callable[[], bool] = lambda: False,
+        progress: Callable[[float], None] = lambda time: None,
     ) -> Ended:
         """Run to the end, or until `stop` says so; what happened is recorded.
 
         Parameters
         ----------
-        stop
-            Asked between ticks.
+        stop, overdue
+            Asked between ticks: whether to stop all robots; whether to end although some are not at rest yet.
         progress
             Told the simulated time.
         """
@@ -142,6 +147,9 @@ class Rig:
             self._look_around()
             progress(self.time)
             state = self.supervisor.tick()
+            if state is Supervision.STOPPING and overdue():
+                self._recorder.put(Event(self.time, "warning", "operator", "ended before all robots stood"))
+                return self._ended()
             if state is Supervision.STOPPED or (state is Supervision.RUNNING and self._done()):
                 return self._ended()
 
@@ -196,34 +204,28 @@ class Rig:
         fault = self.supervisor.fault
         if fault is not None:
             return Ended(Ending.FAILED, str(fault), self.time, fault)
-        if self.supervisor.state is Supervision.STOPPED:
+        if self.supervisor.state is not Supervision.RUNNING:
             return Ended(Ending.STOPPED, "stopped by the operator", self.time)
         if any(robot.paused for robot in self.robots):
             return Ended(Ending.PAUSED, "program at PAUSE", self.time)
         return Ended(Ending.DONE, "done", self.time)
 
-    def statistics(self) -> dict[str, Any]:
-        """What no track holds: the worst of each joint at the controllers' own rates, parts in their fields."""
-        arms = {
+    def ending(self, ended: Ended) -> EndingFacts:
+        """How it ended, with what no track holds: the worst of each joint at the controllers' own rates."""
+        joints = {
             name: {
-                joint: {what: float(values[k]) for what, values in arm.loop.worst.items()}
+                joint: {_peak(what): float(values[k]) for what, values in arm.loop.worst.items()}
                 for k, joint in enumerate(arm.job.arm.limits.names)
             }
             for name, arm in self.arms.items()
         }
-        touch = {name: float(arm.loop.touch) for name, arm in self.arms.items()}
-        driven = {name: base.driven for name, base in self.bases.items()}
-        return {"joints": arms, "contact_force": touch, "path_driven": driven, "placed": self._placed()}
+        numbers = {name: {"contact_force": float(arm.loop.touch)} for name, arm in self.arms.items()}
+        numbers |= {name: {"path_driven": base.driven} for name, base in self.bases.items() if base.job.task.path}
+        return EndingFacts(str(ended.ending), ended.reason, ended.time, joints, numbers)
 
-    def _placed(self) -> dict[str, int]:
-        found = {place.name: 0 for place in self.job.fields}
-        for disc in self.world.discs:
-            for place in self.job.fields:
-                x, y, z = (np.linalg.inv(place.T) @ disc.pose[:, 3])[:3]
-                if 0.0 <= x <= place.size[0] and 0.0 <= y <= place.size[1] and z < place.height:
-                    found[place.name] += 1
-                    break
-        return found
+
+def _peak(what: str) -> str:
+    return what if what.startswith("rms") else f"peak_{what}"
 
 
 class _Typed:
