@@ -68,7 +68,7 @@ def attachments_of(
 def cell_facts(job: Job, controller: int = -1, *, rated: Sequence[Arm] = (), patches: Sequence[str] = ()) -> CellFacts:
     """Return what a recording says of a job; parameters as of `attachments_of`."""
     stated = rated or [arm.arm for arm in job.arms]
-    arms = [_arm_robot(arm, arm.settings[controller].controller, own) for arm, own in zip(job.arms, stated, strict=True)]
+    arms = [_arm_robot(arm, controller, own) for arm, own in zip(job.arms, stated, strict=True)]
     fields = [FieldFacts(place.name, _rows(place.T), place.size, place.height) for place in job.fields]
     names = [*patches, *(f"patch {k + 1}" for k in range(len(patches), len(job.floor.patches)))]
     floor = [PatchFacts(name, _rows(patch_corners(p))) for name, p in zip(names, job.floor.patches, strict=False)]
@@ -98,7 +98,7 @@ def _program_name(arm: ArmJob) -> str:
     return f"{arm.name}/{PROGRAM}" if arm.name else PROGRAM
 
 
-def _arm_robot(job: ArmJob, controller: str, stated: Arm) -> RobotFacts:
+def _arm_robot(job: ArmJob, controller: int, stated: Arm) -> RobotFacts:
     model = job.arm.model
     motors = [joint.motor for joint in model.joints]
     kinematics = ArmFacts(
@@ -118,15 +118,15 @@ def _arm_robot(job: ArmJob, controller: str, stated: Arm) -> RobotFacts:
         name=job.name,
         kind="arm",
         model=model.name,
-        controller=controller,
+        controller=job.settings[controller].controller,
         drives=job.drives,
         joints=tuple(joint.name for joint in model.joints),
         kinds=tuple(joint.kind for joint in model.joints),
         limits={
             "speed": _limit(joint.limits.speed for joint in stated.model.joints),
             "torque": _limit(joint.limits.torque for joint in stated.model.joints),
-            "current": _limit(motor and motor.max_current for motor in motors),
-            "voltage": _limit(motor and motor.max_voltage for motor in motors),
+            "current": _limit(None if motor is None else motor.max_current for motor in motors),
+            "voltage": _limit(None if motor is None else motor.max_voltage for motor in motors),
         },
         program=_program_name(job) if job.program is not None else "",
         arm=kinematics,
@@ -136,8 +136,8 @@ def _arm_robot(job: ArmJob, controller: str, stated: Arm) -> RobotFacts:
 def _base_robot(job: BaseJob, floor: Floor) -> RobotFacts:
     base, motor, gear = job.base, job.drive.motor, job.drive.gear
     names, count = base.driven, len(base.driven)
-    parts = {"slip detection": job.settings.slip, "traction control": job.settings.traction}
-    parts |= {"motor watch": job.settings.watch}
+    parts: dict[str, object] = {"slip detection": job.settings.slip, "traction control": job.settings.traction}
+    parts["motor watch"] = job.settings.watch
     faults = [(f.time, f.wheel if isinstance(f.wheel, str) else names[f.wheel], f.kind) for f in job.faults]
     facts = BaseFacts(
         wheels=tuple(base.wheels),

@@ -180,9 +180,7 @@ def path_error(motion: Motion | None, phase: Phase) -> PathError | None:
     believed = np.hypot(*(motion.believed - motion.reference)[within, :2].T)
     turn = (motion.true - motion.reference)[within, 2]
     heading = np.abs((turn + np.pi) % (2.0 * np.pi) - np.pi)
-    return PathError(
-        float(np.sqrt(np.mean(error**2))), float(error.max()), float(believed.max()), float(heading.max())
-    )
+    return PathError(float(np.sqrt(np.mean(error**2))), float(error.max()), float(believed.max()), float(heading.max()))
 
 
 def _true(recording: Recording) -> tuple[Array, Array] | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,19 +81,16 @@ def _chain(names: Sequence[str], frames: Mapping[str, FrameTrack], size: float) 
     if names:
         foot = tuple(map(float, frames[names[0]].position[0]))
         shapes.append(Tube("world", (foot[0], foot[1], 0.0), (foot[0], foot[1], foot[2]), 1.3 * thick, JOINT))
-    for k, (one, other) in enumerate(zip(names, names[1:], strict=False)):
+    for k, (one, other) in enumerate(pairwise(names)):
         there, back = _seen(frames[one], frames[other]), _seen(frames[other], frames[one])
         frame, ends = (one, there) if np.ptp(there, axis=0).sum() <= np.ptp(back, axis=0).sum() else (other, back)
         x, y, z = map(float, ends.mean(axis=0))
         shapes.append(Box(frame, np.eye(4), (2.2 * thick,) * 3, JOINT))
         if np.linalg.norm((x, y, z)) > 1e-3:
-            shapes.append(Tube(frame, (0, 0, 0), (x, y, z), max(thick * (1 - 0.08 * k), 0.4 * thick), BODY, rounded=True))
+            radius = max(thick * (1 - 0.08 * k), 0.4 * thick)
+            shapes.append(Tube(frame, (0, 0, 0), (x, y, z), radius, BODY, rounded=True))
     shapes += _axes(names[-1], 0.06 * size) if names else []
-    return [shape for k, shape in enumerate(shapes) if k == 0 or not _longer_than_nothing(shape)]
-
-
-def _longer_than_nothing(shape: Shape) -> bool:
-    return isinstance(shape, Tube) and shape.start == shape.end
+    return [shape for shape in shapes if not (isinstance(shape, Tube) and shape.start == shape.end)]
 
 
 def _seen(one: FrameTrack, other: FrameTrack) -> Array:

@@ -15,7 +15,7 @@ from holonom.app.report.inferred_scene import inferred_scene
 from holonom.app.report.rebased import rebased
 from holonom.app.report.scene import Scene
 from holonom.app.report.sections import PhotoOverlay
-from holonom.signals import TOPICS
+from holonom.signals import TOPICS, Event, Topic
 
 __all__ = ["BARE", "RobotSource", "Source", "source_of"]
 
@@ -63,6 +63,11 @@ class Source:
     photograph: PhotoOverlay | None = None
 
     @property
+    def events(self) -> tuple[Event, ...]:
+        """Events for the reader; what only the simulation knows of gripping wheels is in other sections."""
+        return tuple(e for e in self.whole.events if (e.source.rpartition(".")[2], e.level) != ("truth", "debug"))
+
+    @property
     def alone(self) -> bool:
         """Whether it is of one robot."""
         return len(self.robots) == 1
@@ -98,7 +103,7 @@ def source_of(path: str | Path, *, beside: bool = True) -> Source:
     return Source(whole, known, cell is not None, ending, scene, robots, photograph_of(whole))
 
 
-def _topics() -> tuple[object, ...]:
+def _topics() -> tuple[Topic, ...]:
     return tuple(topic for topic in TOPICS if topic.name not in UNUSED)
 
 
