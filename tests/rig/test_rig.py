@@ -11,6 +11,7 @@ from jobs import PUMA, arm_job, base_job, job, line
 
 from holonom.app.job import Job, Mount, Obstacle, SensorJob, SignalEvent, Task
 from holonom.app.recording import Recorder, Recording, read_recording
+from holonom.app.recording.reader import read_robots
 from holonom.app.rig import Ended, Ending, Rig, simulated
 from holonom.sim import BaseFault, Disc, Gripper, Surface
 from holonom.spatial import inverse, pose
@@ -32,7 +33,7 @@ def run(what: Job, path: Path, **asked: object) -> tuple[Ended, Rig, Recording]:
     with Recorder(path / "recording.mcap") as recorder:
         rig = Rig(what, loops, recorder, say=typed.append)
         ended = rig.run(**asked)  # type: ignore[arg-type]
-    return ended, rig, read_recording(path / "recording.mcap")
+    return ended, rig, read_robots(path / "recording.mcap")[""]
 
 
 typed: list[str] = []
@@ -56,7 +57,7 @@ def test_robots_wait_for_each_other_by_signals(tmp_path: Path) -> None:
     """The arm waits for the base's end; another base waits for the arm."""
     first = base_job(dataclasses.replace(line(0.5), done=5), "first")
     second = base_job(dataclasses.replace(line(0.3), after=6), "second", pose=np.array([0.0, 1.0, 0.0]))
-    ended, rig, recording = run(job(first, second, arm_job(SIGNALLED, "puma")), tmp_path)
+    ended, _, recording = run(job(first, second, arm_job(SIGNALLED, "puma")), tmp_path)
     assert ended.ending is Ending.DONE
     assert typed == ["waits", "goes on"]
     at = {(signal.number, signal.on): signal.time for signal in recording.signals}
@@ -66,7 +67,7 @@ def test_robots_wait_for_each_other_by_signals(tmp_path: Path) -> None:
     moving = read_recording(tmp_path / "recording.mcap", robot="second").true_base
     begins = moving.time[np.argmax(np.abs(moving.twist[:, 0]) > 0.01)]
     assert begins > at[6, True]
-    assert set(recording.robots) == {"first", "second", "puma"}
+    assert {"first", "second", "puma"} <= set(recording.robots)
 
 
 def test_events_switch_signals(tmp_path: Path) -> None:
@@ -113,7 +114,7 @@ def test_an_operator_stops_all_on_their_paths(tmp_path: Path) -> None:
 
 def test_what_does_not_stop_in_time_is_closed_all_the_same(tmp_path: Path) -> None:
     asked = iter([False] * 40 + [True] * 1000)
-    ended, rig, recording = run(job(base_job(line(3.0))), tmp_path, stop=lambda: next(asked), overdue=lambda: True)
+    ended, _, recording = run(job(base_job(line(3.0))), tmp_path, stop=lambda: next(asked), overdue=lambda: True)
     assert ended.ending is Ending.STOPPED
     assert recording.ended == "complete"
 
@@ -170,7 +171,7 @@ def test_an_arm_on_a_base_holds_a_part_while_it_drives(tmp_path: Path) -> None:
     assert end[0, 3] == pytest.approx(start[0, 3] + 1.0, abs=0.02)
     assert end[2, 3] == pytest.approx(there.pose[2, 3] + 0.01, abs=1e-6)
     assert what.parts[0].pose[0, 3] == pytest.approx(start[0, 3]), "the job stays as it was"
-    frames = read_recording(tmp_path / "recording.mcap").frames
+    frames = recording.frames
     tools, bases = frames["puma/tool"].poses(), frames["agv/base_link"].poses()
     k = len(bases) // 2
     at = int(np.searchsorted(frames["puma/tool"].time, frames["agv/base_link"].time[k]))

@@ -15,8 +15,8 @@ from holonom.app.output import RECORDING, RunFolder
 from holonom.app.progress import Progress
 from holonom.app.recording import Recorder
 from holonom.app.recording.robot import base_words
-from holonom.app.report.attachments import attachments_of
 from holonom.app.report.attached import OUTCOME, ending_words
+from holonom.app.report.attachments import attachments_of
 from holonom.app.rig import Ended, Ending, Rig, simulated
 from holonom.errors import ProgramError
 

@@ -22,7 +22,7 @@ from holonom.errors import MotionError, ProgramFault, RunError
 from holonom.machine import ControlSettings
 from holonom.machine.digital import DigitalSignals
 from holonom.machine.group import Group
-from holonom.machine.supervisor import Supervision, Supervisor
+from holonom.machine.supervisor import StopCategory, Supervision, Supervisor
 from holonom.signals import Event, FramePoses, Reading
 from holonom.sim import World
 
@@ -160,13 +160,13 @@ class Rig:
             except RunError as fault:
                 self._fail(robot, fault)
 
-    def _fail(self, robot: RobotRig | None, fault: RunError) -> None:
+    def _fail(self, robot: RobotRig | None, fault: RunError, category: StopCategory | None = None) -> None:
         text = str(fault) if robot is None else robot.explain(fault)
         if robot is None:
             self._recorder.put(Event(self.time, "error", "cell", text))
         else:
             robot.log("error", "program" if isinstance(fault, ProgramFault | MotionError) else "drive", text)
-        self.supervisor.fail(robot, type(fault)(text))
+        self.supervisor.fail(robot, type(fault)(text), category)
 
     def _done(self) -> bool:
         if all(robot.done for robot in self.robots):
@@ -188,7 +188,7 @@ class Rig:
         self._observe()
         hit = self._collisions.first(self.bases.values(), self.arms.values())
         if hit is not None and self.supervisor.state is Supervision.RUNNING:
-            self._fail(hit.robot, MotionError(hit.text))
+            self._fail(hit.robot, MotionError(hit.text), StopCategory.ZERO_SPEED)
 
     def _observe(self) -> None:
         now = self.time
