@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from holonom.app.job import BaseJob
 from holonom.app.rig.base_records import BaseRecords
-from holonom.app.rig.base_words import BaseWords
 from holonom.closed_loop import BaseLoop
 from holonom.closed_loop.base import driven_part
+from holonom.closed_loop.base_words import BaseWords
 from holonom.errors import DriveFault
 from holonom.machine import BaseController, Creep
 from holonom.machine.base.kernels import RUNNING, STOPPED
