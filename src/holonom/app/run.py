@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from holonom.app.answer import Answer
-from holonom.app.cell import ArmCell, load_cell
+from holonom.app.short_cell import ArmCell, load_cell
 
 __all__ = ["run_cell"]
 
