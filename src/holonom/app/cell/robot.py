@@ -104,9 +104,7 @@ def _drives(given: Any, info: ValidationInfo) -> Any:
     return found
 
 
-_JOINT_DRIVES: TypeAdapter[tuple[JointDrive, ...]] = TypeAdapter(
-    Annotated[tuple[JointDrive, ...], Field(min_length=1)]
-)
+_JOINT_DRIVES: TypeAdapter[tuple[JointDrive, ...]] = TypeAdapter(Annotated[tuple[JointDrive, ...], Field(min_length=1)])
 
 
 def _limits(given: Any, info: ValidationInfo) -> Any:

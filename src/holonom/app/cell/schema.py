@@ -40,7 +40,9 @@ def cell_schema() -> dict[str, Any]:
         keys |= set(base_schema(name, body)["properties"])
         robot |= {k: v for k, v in base_schema(name, body)["properties"].items() if k not in robot}
     robot["arrangement"] = _names("how the wheels stand", ARRANGEMENTS)
-    defs["BaseTable"] = _table("The base and its wheels; x forwards, y to the left.", {k: robot[k] for k in sorted(keys)})
+    defs["BaseTable"] = _table(
+        "The base and its wheels; x forwards, y to the left.", {k: robot[k] for k in sorted(keys)}
+    )
     defs["Robot"]["required"] = []
     defs["FloorTable"]["properties"]["patches"] = {
         "type": "array", "items": {"$ref": "#/$defs/Patch"}, "description": "ice, oil, carpet"

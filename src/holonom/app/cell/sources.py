@@ -231,7 +231,9 @@ def _renamed(made: WheelBase, body: BodyTable) -> list[Wheel]:
 
 
 def _built(made: WheelBase, wheels: list[Wheel], body: BodyTable) -> WheelBase:
-    groups = {name: [wheels[i].name for i in group] for name, group in zip(made.steered, made.layout.groups, strict=True)}
+    groups = {
+        name: [wheels[i].name for i in group] for name, group in zip(made.steered, made.layout.groups, strict=True)
+    }
     shared = {name: group for name, group in groups.items() if len(group) > 1}
     base = WheelBase(
         wheels, name=made.name, radius=made.radius, alpha=body.mass_distribution, mass=body.mass,

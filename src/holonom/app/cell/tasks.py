@@ -11,7 +11,16 @@ from holonom.errors import CellError
 from holonom.machine.base.paths import HEADINGS, PATHS
 from holonom.sim.base.plant import FAULTS as MOTOR_FAULTS
 
-__all__ = ["FAULTS", "EventTable", "FaultTable", "PathTable", "ProgramTable", "SignalNumber", "StartTable", "TwistTable"]
+__all__ = [
+    "FAULTS",
+    "EventTable",
+    "FaultTable",
+    "PathTable",
+    "ProgramTable",
+    "SignalNumber",
+    "StartTable",
+    "TwistTable",
+]
 
 FAULTS = {f"motor_{name}": name for name in MOTOR_FAULTS}
 """What a cell calls the faults of motors."""

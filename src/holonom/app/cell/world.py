@@ -196,9 +196,7 @@ class Tray(Section):
             for other in fields[:number]:
                 _check_apart(field, other)
             if "corner" in info.data and "size" in info.data:
-                check_inside(
-                    f"field {field.name!r}", field.corner, field.size, info.data["corner"], info.data["size"]
-                )
+                check_inside(f"field {field.name!r}", field.corner, field.size, info.data["corner"], info.data["size"])
         return fields
 
 
