@@ -34,6 +34,7 @@ __all__ = [
     "JointState",
     "JointTruth",
     "Kind",
+    "Reading",
     "Record",
     "Signal",
     "Sink",
@@ -174,6 +175,14 @@ class FrameTree(Record):
 
 
 @dataclass(frozen=True, slots=True)
+class Reading(Record):
+    """What a sensor of a cell measures: its name, and numbers (k,) in its own units."""
+
+    sensor: str
+    values: Array
+
+
+@dataclass(frozen=True, slots=True)
 class Signal(Record):
     """A digital signal that changed."""
 
@@ -305,6 +314,10 @@ TOPICS: tuple[Topic, ...] = (
     ),
     Topic(
         "/truth/tool_pose", FramePoses, ("poses",), _POSE, _TRUTH, "m", "world", "the tool's frame as it is",
+    ),
+    Topic(
+        "/measured/{sensor}", Reading, ("values",), _NUMBERS, _MEASURED, "its own", "",
+        "what a sensor of the cell measures",
     ),
     Topic(
         "/signals/{number}", Signal, ("on",), "std_msgs/Bool", _COMMANDED, "", "",

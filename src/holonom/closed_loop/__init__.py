@@ -12,5 +12,6 @@ from holonom.closed_loop.arm import SimulatedArm
 from holonom.closed_loop.arm_loop import ArmLoop
 from holonom.closed_loop.base import BaseLoop, simulate_base
 from holonom.closed_loop.base_log import BaseLog
+from holonom.closed_loop.ideal_arm import IdealArm
 
-__all__ = ["ArmLoop", "BaseLog", "BaseLoop", "SimulatedArm", "simulate_base"]
+__all__ = ["ArmLoop", "BaseLog", "BaseLoop", "IdealArm", "SimulatedArm", "simulate_base"]

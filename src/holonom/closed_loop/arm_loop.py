@@ -2,20 +2,42 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.closed_loop.arm_kernels import run_reference
 from holonom.devices import Encoder, Gear
-from holonom.machine.arm.kernels import STOP
+from holonom.machine.arm.kernels import CURRENT, STOP
 from holonom.machine.arm.servos import STEP, ArmServos, ControlSettings, joint_friction, joint_motor
 from holonom.mechanics import Arm
 from holonom.model import Joint
 from holonom.sim.arm.plant import ArmPlant, AxisDrive, Ground
 
-__all__ = ["ArmLoop", "drives_of"]
+__all__ = ["ArmLoop", "Measured", "Truth", "drives_of"]
 
 Array = NDArray[np.float64]
+
+
+class Measured(NamedTuple):
+    """Positions (rad or m), speeds, torques by current (N m or N), currents (A), voltages (V) asked for, counts: (n,)."""
+
+    position: Array
+    speed: Array
+    effort: Array
+    current: Array
+    voltage: Array
+    counts: NDArray[np.int64] | None
+
+
+class Truth(NamedTuple):
+    """Positions (rad or m), speeds, torques behind the gears (N m or N), currents (A): (n,)."""
+
+    position: Array
+    speed: Array
+    effort: Array
+    current: Array
 
 
 class ArmLoop:
@@ -56,6 +78,45 @@ class ArmLoop:
         return self.servos.speed
 
     @property
+    def measured(self) -> Measured:
+        """What its sensors and drives say."""
+        s, signals = self.servos, self.plant.signals
+        return Measured(
+            s.position, s.speed, s.effort(signals.currents), signals.currents.copy(), signals.voltages.copy(),
+            s.states["count"].copy(),
+        )  # fmt: skip
+
+    @property
+    def truth(self) -> Truth:
+        """What is so."""
+        states = self.plant.states
+        return Truth(
+            states["position"].copy(), states["speed"].copy(), states["torque"].copy(), states["current"].copy()
+        )
+
+    @property
+    def worst(self) -> dict[str, Array]:
+        """Largest magnitudes since the start (n,): speed, torque, current, voltage, error; rms of the error."""
+        states = self.plant.states
+        found = {name: states[f"peak_{name}"].copy() for name in ("speed", "torque", "current", "voltage", "error")}
+        found["rms_error"] = np.sqrt(states["square_error"] / max(self._ticks, 1))
+        return found
+
+    @property
+    def payload(self) -> Array:
+        """Mass (kg) and centre of mass (m, tool frame) of what the hand holds: (4,)."""
+        return self.plant.payload
+
+    @payload.setter
+    def payload(self, value: Array) -> None:
+        self.plant.payload = value
+
+    @property
+    def touch(self) -> float:
+        """Largest force (N) with which the tool pressed on the ground since the start."""
+        return self.plant.touch
+
+    @property
     def ticks(self) -> int:
         """Reference samples since the start."""
         return self._ticks
@@ -72,8 +133,21 @@ class ArmLoop:
         ------
         DriveFault
             An axis left a limit; the plant stands at the start of the tick at which it did.
+        LevelFault
+            A law that is not compiled gave no torques.
         """
-        code, axis, tick = self._run(self.servos.mode, reference)
+        law = self.servos.law
+        if law is None:
+            self._advance(self.servos.mode, reference)
+            return
+        every = round(self.settings.levels.model / self.tick)
+        for k in range(reference.shape[1]):
+            if self._ticks % every == 0:
+                self.servos.ask(law, reference[:, k])
+            self._advance(CURRENT, reference[:, k : k + 1])
+
+    def _advance(self, mode: int, reference: Array) -> None:
+        code, axis, tick = self._run(mode, reference)
         self._ticks += reference.shape[1] if code == 0 else tick
         if code != 0:
             current = float(self.plant.signals.currents[axis])

@@ -25,7 +25,7 @@ from holonom.sim.base.plant import TICK, BaseFault, BasePlant
 from holonom.sim.base.records import BODY_SAMPLE, WHEEL_SAMPLE
 from holonom.trace.simd import WIDTH
 
-__all__ = ["BaseLoop", "simulate_base"]
+__all__ = ["BaseLoop", "driven_part", "simulate_base"]
 
 Array = NDArray[np.float64]
 
@@ -57,6 +57,11 @@ class BaseLoop:
     def advance_logged(self, log: LogBuffer) -> int:
         """Drive on until the buffer is full or the path ends; return the milliseconds it took."""
         return int(run_logged(*self._arguments(), self.plant.noise(len(log.body)), log))
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        return self.plant.time
 
     def buffer(self, ticks: int) -> LogBuffer:
         """Return an empty buffer for some milliseconds."""
@@ -125,7 +130,7 @@ def simulate_base(
     controller.follow_path(reference)
     log = _whole(loop, len(reference))
     time, ended = TICK * np.arange(len(log.body), dtype=np.float64), ENDINGS[controller.ending]
-    driven = _driven(path, float(controller.state["phase"][0]))
+    driven = driven_part(path, float(controller.state["phase"][0]))
     events = [Event(f.time, "warning", "plant", _fault_text(f, plant)) for f in faults]
     events += _ending_events(ended, driven, float(time[-1]))
     residual = controller.params.residual * controller.radii
@@ -144,7 +149,7 @@ def _whole(loop: BaseLoop, length: int) -> LogBuffer:
     return logs[0] if len(logs) == 1 else joined(logs)
 
 
-def _driven(path: ReferencePath, phase: float) -> float:
+def driven_part(path: ReferencePath, phase: float) -> float:
     """Part of a path's length (of its turn, on the spot; else of its time) before a phase in samples."""
     if phase >= len(path.pose) - 1:
         return 1.0

@@ -18,7 +18,7 @@ from holonom.control.uncertainty_kernels import (
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.trace.loops import loop
 
-__all__ = ["UncertaintySettings", "covariance_along"]
+__all__ = ["PoseUncertainty", "UncertaintySettings", "covariance_along"]
 
 Array = NDArray[np.float64]
 
@@ -126,21 +126,51 @@ def covariance_along(
     ------
     ShapeError
     """
-    poses, twists, pushes = (np.ascontiguousarray(rows, dtype=np.float64) for rows in (pose, twist, acceleration))
+    return PoseUncertainty(settings, dt).along(pose, twist, acceleration)
+
+
+class PoseUncertainty:
+    """The covariance of an estimated pose as a run goes on. Mutable state: what is known so far.
+
+    Parameters
+    ----------
+    settings
+        What is not known.
+    dt
+        Sample time, s.
+    """
+
+    def __init__(self, settings: UncertaintySettings, dt: float) -> None:
+        self._params = settings.params(dt)
+        self._constants, self._noise = np.empty((4, CONSTANTS)), np.empty((3, 3))
+        start_uncertainty(self._params, self._constants, self._noise)
+
+    def along(self, pose: ArrayLike, twist: ArrayLike, acceleration: ArrayLike) -> Array:
+        """Return the covariance (N, 3, 3) at the next samples; arguments as in `covariance_along`.
+
+        Raises
+        ------
+        ShapeError
+        """
+        rows = (np.ascontiguousarray(x, dtype=np.float64) for x in (pose, twist, acceleration))
+        poses, twists, pushes, out = _checked(*rows)
+        _along(self._params, poses, twists, pushes, out, self._constants, self._noise)
+        return out
+
+
+def _checked(poses: Array, twists: Array, pushes: Array) -> tuple[Array, Array, Array, Array]:
+    """Return the rows, and an array for their covariances."""
     count = len(poses)
     if (poses.shape, twists.shape, pushes.shape) != ((count, 3), (count, 3), (count, 2)):
         raise ShapeError(f"pose {poses.shape}, twist {twists.shape}, acceleration {pushes.shape} came; give "
                          "(N, 3), (N, 3) and (N, 2)")  # fmt: skip
-    out = np.empty((count, 3, 3))
-    _along(settings.params(dt), poses, twists, pushes, np.empty((4, CONSTANTS)), np.empty((3, 3)), out)
-    return out
+    return poses, twists, pushes, np.empty((count, 3, 3))
 
 
 @loop(error_model="numpy")
 def _along(
-    params: UncertaintyParams, pose: Array, twist: Array, push: Array, constants: Array, noise: Array, out: Array
+    params: UncertaintyParams, pose: Array, twist: Array, push: Array, out: Array, constants: Array, noise: Array
 ) -> None:
-    start_uncertainty(params, constants, noise)
     for k in range(len(pose)):
         now = Planar(twist[k, 0], twist[k, 1], twist[k, 2])
         pose_covariance(params, constants, noise, pose[k, 2], now, out[k])

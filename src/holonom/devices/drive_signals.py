@@ -28,3 +28,4 @@ class WheelSignals(NamedTuple):
     currents: Floats  # measured: (4 k,) A
     inertial: Floats  # measured: (3,) turning rate, rad/s; acceleration along x and y of base_link, m/s2
     voltages: Floats  # commanded: (4 k,) V
+    speeds: Floats  # commanded: (4 k,) of the wheels, rad/s, for drives that close their own speed loops

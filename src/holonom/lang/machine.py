@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
 import numpy as np
@@ -67,6 +67,10 @@ class Motion:
     blend: bool
     tolerance: Tolerance
     line: int
+
+    def to(self, pose: Array) -> Motion:
+        """Return the same motion to another pose (4, 4)."""
+        return replace(self, pose=pose)
 
 
 @dataclass(frozen=True, slots=True)

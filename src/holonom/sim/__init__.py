@@ -2,7 +2,7 @@
 
 =====================  ===========================================================
 `ArmPlant`             an arm with drives and encoders
-`World`                table, tray, parts and the gripper
+`World`                surfaces and parts; `Fingers` of a gripper move them
 `BasePlant`            a mobile base on a `Floor` of `Material` with patches; `BaseFault` breaks its motors
 `BaseTruth`            what was true of it
 `PLANTS`, `SENSORS`    tables of what there is to simulate
@@ -10,7 +10,7 @@
 """
 
 from holonom.sim.arm.plant import ArmPlant, AxisDrive, Ground
-from holonom.sim.arm.world import Disc, Gripper, Surface, World
+from holonom.sim.arm.world import Disc, Fingers, Gripper, Surface, World
 from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch
 from holonom.sim.base.log import BaseTruth
 from holonom.sim.base.plant import BaseFault, BasePlant
@@ -27,6 +27,7 @@ __all__ = [
     "BasePlant",
     "BaseTruth",
     "Disc",
+    "Fingers",
     "Floor",
     "Gripper",
     "Ground",

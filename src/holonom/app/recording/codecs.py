@@ -36,7 +36,7 @@ from holonom.app.recording.messages import (
 )
 from holonom.app.recording.scope import Scope
 from holonom.app.recording.tracks import Track
-from holonom.signals import Topic
+from holonom.signals import Reading, Topic
 
 __all__ = ["CODECS", "Codec", "Encode", "groups_of", "transform_groups"]
 
@@ -98,7 +98,11 @@ def _joint_track(topic: Topic, given: Messages) -> Track:
 
 
 def _axes(topic: Topic, scope: Scope) -> Encode:
-    layout, (field,) = array_layout(len(scope.joints)), topic.fields
+    (field,) = topic.fields
+    if topic.record is Reading:  # as many numbers as a sensor has
+        layouts = lru_cache(array_layout)
+        return lambda now, record: layouts(len(record.values)).pack(now, np.asarray(record.values, dtype=np.float64))
+    layout = array_layout(len(scope.joints))
     return lambda now, record: layout.pack(now, np.asarray(getattr(record, field), dtype=np.float64))
 
 

@@ -25,10 +25,10 @@ from holonom.machine.arm.records import ServoTiming
 from holonom.trace.loops import loop
 from holonom.trace.pointer import call_kernel
 
-__all__ = ["CASCADE", "COMPUTED_TORQUE", "STOP", "servo_step"]
+__all__ = ["CASCADE", "COMPUTED_TORQUE", "CURRENT", "STOP", "servo_step"]
 
-CASCADE, COMPUTED_TORQUE, STOP = 0, 1, 2
-"""Who commands the current loops: the cascade, the model-based law, or the speed loops holding zero speed."""
+CASCADE, COMPUTED_TORQUE, STOP, CURRENT = 0, 1, 2, 3
+"""Who commands the current loops: the cascade, the model-based law, the speed loops holding zero speed, or a caller."""
 
 Floats = NDArray[np.float64]
 Records = NDArray[np.void]
@@ -51,7 +51,7 @@ def servo_step(
     Parameters
     ----------
     mode
-        CASCADE, COMPUTED_TORQUE or STOP.
+        CASCADE, COMPUTED_TORQUE, STOP or CURRENT: with that the current references in `states` are the caller's.
     timing, step
         Sample times of the loops around it; how many steps went before.
     model
@@ -85,7 +85,7 @@ def servo_step(
         if step % timing.model == timing.delay:
             for i in range(n):
                 states[i].current_reference = states[i].coming_reference
-    elif step % timing.speed == 0:
+    elif mode != CURRENT and step % timing.speed == 0:
         for i in range(n):
             _speed_loop(axes[i], states[i], mode)
     for i in range(n):

@@ -12,10 +12,12 @@ from holonom.errors import DriveFault, LevelFault, MotionError
 from holonom.machine.arm.clock import PROGRAM_TICK
 from holonom.machine.arm.motions import LineSettings, MotionRequest
 from holonom.machine.arm.queue import MotionQueue
+from holonom.machine.digital import DigitalSignals
 from holonom.machine.drives import ArmDrives, Hand
 from holonom.machine.levels import Levels
 from holonom.mechanics import Arm
-from holonom.signals import Event, Signal, Sink
+from holonom.signals import Event, Sink
+from holonom.spatial import inverse
 
 __all__ = ["ArmMachine"]
 
@@ -48,6 +50,10 @@ class ArmMachine:
         What 100 % means on straight lines.
     levels
         Periods of supervisor, model and servos.
+    frame
+        T (4, 4) of its base in the world where another robot carries it, as that one believes to stand.
+    signals
+        Those of the cell; None: it has its own.
     observe
         Called after each tick with the reference (3, n) of that instant: the recorder's moment.
     """
@@ -64,21 +70,24 @@ class ArmMachine:
         ready: Array,
         line: LineSettings,
         levels: Levels = Levels(),
+        frame: Callable[[], Array] | None = None,
+        signals: DigitalSignals | None = None,
         observe: Callable[[Array], None] = lambda reference: None,
     ) -> None:
         self.arm, self.drives, self.hand = arm, drives, hand
         self.queue = MotionQueue(arm, start, line, levels)
-        self._sink, self._look, self._ready, self._observe = sink, look, ready, observe
-        self._before = drives.position
+        self._sink, self._look, self._ready, self._observe, self._frame = sink, look, ready, observe, frame
+        self._before, self._braking = drives.position, 0
         self._samples = round(PROGRAM_TICK / levels.servo)
         self._parts: list[Any] = []
-        self._signals: dict[int, bool] = {}
+        self._signals = signals if signals is not None else DigitalSignals(sink)
 
     # --- what lang.Machine asks for -----------------------------------------------------------------------------
 
     def move(self, motion: MotionRequest) -> bool:
         """Take a motion, blended into the present one if both allow it; False while one is already waiting."""
-        return self.queue.move(motion, idle=self.idle())
+        idle = self.idle()
+        return self.queue.move(self._on_base(motion) if self._frame is not None else motion, idle=idle)
 
     def idle(self) -> bool:
         """Whether all motions have ended and the arm has settled."""
@@ -101,13 +110,11 @@ class ArmMachine:
 
     def set_signal(self, number: int, on: bool) -> None:
         """Switch a digital output."""
-        if self._signals.get(number, False) != on:
-            self._signals[number] = on
-            self._sink.put(Signal(self.time(), number, on))
+        self._signals.set(number, on, self.time())
 
     def signal(self, number: int) -> bool:
-        """Read back a digital output; inputs of the simulated cell are its outputs."""
-        return self._signals.get(number, False)
+        """Read a digital signal of the cell, whoever switches it."""
+        return self._signals.get(number)
 
     def picture(self) -> int:
         """Take a picture: the parts the camera sees now."""
@@ -124,7 +131,7 @@ class ArmMachine:
 
     def destination(self) -> Array:
         """T_wt where the last commanded motion ends."""
-        return self.arm.fk(self.queue.goal)
+        return self._in_world(self.arm.fk(self.queue.goal))
 
     def joints(self) -> Array:
         """Measured joint positions (n,)."""
@@ -132,7 +139,7 @@ class ArmMachine:
 
     def pose(self) -> Array:
         """Measured T_wt (4, 4)."""
-        return self.arm.fk(self.drives.position)
+        return self._in_world(self.arm.fk(self.drives.position))
 
     def ready_joints(self) -> Array:
         """The READY position (n,)."""
@@ -158,40 +165,63 @@ class ArmMachine:
         return self.queue.active_line
 
     def advance(self) -> None:
-        """Advance everything by one program tick.
+        """Advance everything by one program tick: along the path, or braking.
 
         Raises
         ------
         DriveFault, LevelFault, MotionError
             An axis left its limits, the supervisor failed, or a finger hit a part.
         """
-        self._follow()
+        self._before = self.drives.position
+        if self._braking > 0:
+            self._braking -= 1
+            self.drives.brake(self._samples)
+            still = np.zeros(self.arm.n)
+            self._observe(np.stack([self.drives.position, still, still]))
+            if self._braking == 0:
+                self.queue.place(self.drives.position)
+            return
+        self.drives.advance(self.queue.take(self._samples))
         try:
             for what in self.hand.step(PROGRAM_TICK) if self.hand is not None else ():
                 self.log("info", "hand", what, self.active_line)
         finally:
             self._observe(self.queue.present())
 
+    def begin_halt(self) -> None:
+        """Brake along the path from the next tick on (stop category 1 or 2)."""
+        self.queue.brake()
+
+    def begin_brake(self, duration: float = 0.3) -> None:
+        """Hold zero speed from the next tick on, whatever the reference was: after a fault of drives or levels."""
+        self._braking = round(duration / PROGRAM_TICK)
+
+    @property
+    def stopped(self) -> bool:
+        """Whether a halt has come to its end."""
+        return self._braking == 0 and self.queue.empty
+
     def halt(self) -> None:
         """End the motion in a controlled way: brake along the path, or hold zero speed after a drive fault."""
-        self.queue.brake()
+        self.begin_halt()
         try:
-            while not self.queue.empty:
-                self._follow()
-                self._observe(self.queue.present())
+            self._until_stopped()
         except (DriveFault, LevelFault):
             self.brake()
 
     def brake(self, duration: float = 0.3) -> None:
         """Hold zero speed whatever the reference was."""
-        still = np.zeros(self.arm.n)
-        for _ in range(round(duration / PROGRAM_TICK)):
-            self._before = self.drives.position
-            self.drives.brake(self._samples)
-            self._observe(np.stack([self.drives.position, still, still]))
-        self.queue.place(self.drives.position)
+        self.begin_brake(duration)
+        self._until_stopped()
 
-    def _follow(self) -> None:
-        """The reference of one program tick goes to the drives."""
-        self._before = self.drives.position
-        self.drives.advance(self.queue.take(self._samples))
+    def _until_stopped(self) -> None:
+        while not self.stopped:
+            self.advance()
+
+    def _in_world(self, T_bt: Array) -> Array:
+        return T_bt if self._frame is None else self._frame() @ T_bt
+
+    def _on_base(self, motion: MotionRequest) -> MotionRequest:
+        """A motion to a pose in the world as one on the base where it stands now."""
+        assert self._frame is not None
+        return motion if motion.pose is None else motion.to(inverse(self._frame()) @ motion.pose)

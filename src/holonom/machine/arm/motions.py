@@ -62,6 +62,9 @@ class MotionRequest(Protocol):
     def line(self) -> int:
         """Source line."""
 
+    def to(self, pose: Array) -> MotionRequest:
+        """Return the same motion to another pose (4, 4)."""
+
 
 @dataclass(frozen=True, slots=True)
 class LineSettings:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,8 +23,9 @@ from holonom.control import (
 )
 from holonom.devices import DcMotor, Encoder, Friction, tracking_params
 from holonom.devices.drive_signals import JointSignals
-from holonom.errors import DriveFault, ModelError
-from holonom.machine.arm.kernels import CASCADE, COMPUTED_TORQUE
+from holonom.errors import DriveFault, LevelFault, ModelError
+from holonom.machine.arm.kernels import CASCADE, COMPUTED_TORQUE, CURRENT
+from holonom.machine.arm.law import JointLaw
 from holonom.machine.arm.records import SERVO, SERVO_STATE, Servo, ServoTiming
 from holonom.machine.levels import Levels
 from holonom.mechanics import Arm
@@ -46,20 +48,39 @@ SPEED_TICK = 5
 class ControlSettings:
     """Which controller drives the arm and where it trips.
 
-    `law_bandwidth` (rad/s) places the poles of the computed-torque error equation; `following_error` (rad) and
-    `trip_margin` (part of the rated speed and current by which they may be passed) stop an axis; `levels` are the
-    periods and delays of the loops.
+    `controller` is of the table `CONTROLLERS`, `params` its params record (None: its defaults). `law_bandwidth` (rad/s)
+    places the poles of the computed-torque error equation; `following_error` (rad) and `trip_margin` (part of the rated
+    speed and current by which they may be passed) stop an axis; `levels` are the periods and delays of the loops.
     """
 
     controller: str = "cascade"
+    params: Any = None
     law_bandwidth: float = ComputedTorqueSettings().law_bandwidth
     following_error: float = 0.1
     trip_margin: float = 0.25
     levels: Levels = field(default_factory=Levels)
 
     def __post_init__(self) -> None:
-        if CONTROLLERS[self.controller].record not in LAWS:
-            raise ModelError(f"controller {self.controller!r} cannot run: no compiled law is of its settings")
+        CONTROLLERS[self.controller]  # UnknownName
+
+    def law(self) -> JointLaw | None:
+        """Return the law where it is not a compiled one.
+
+        Raises
+        ------
+        ModelError
+            What the method makes is no `JointLaw`.
+        """
+        method = CONTROLLERS[self.controller]
+        if method.record in LAWS:
+            return None
+        made = method.build(self.params if self.params is not None else CONTROLLERS.params(self.controller, {}))
+        if not isinstance(made, JointLaw):
+            raise ModelError(
+                f"controller {self.controller!r} makes a {type(made).__name__}; a JointLaw is needed: an object with "
+                "torques(arm, reference, position, speed, dt)"
+            )
+        return made
 
 
 class ArmServos:
@@ -82,7 +103,8 @@ class ArmServos:
 
     def __init__(self, arm: Arm, q: ArrayLike, settings: ControlSettings = ControlSettings()) -> None:
         self.arm, self.settings = arm, settings
-        self.mode = LAWS[CONTROLLERS[settings.controller].record]
+        self.mode = LAWS.get(CONTROLLERS[settings.controller].record, CURRENT)
+        self.law = settings.law()
         self.timing = _timing(settings.levels)
         self.model = arm.kernel("inverse_dynamics")
         self.limits = [_axis_limits(joint, settings) for joint in arm.model.joints]
@@ -123,6 +145,22 @@ class ArmServos:
         """Measured joint speeds (n,), rad/s."""
         found: Array = self.states["rate"] / self._ratio
         return found
+
+    def effort(self, currents: Array) -> Array:
+        """Motor torques at the joints (n,), N m, by measured currents (n,), A."""
+        found: Array = self._ratio * self.axes["torque_constant"] * currents
+        return found
+
+    def ask(self, law: JointLaw, reference: Array) -> None:
+        """Take the current references of a law that is not compiled, within the drives' limits."""
+        tau = np.asarray(law.torques(self.arm, reference, self.position, self.speed, self.settings.levels.model), float)
+        if tau.shape != (self.arm.n,) or not np.isfinite(tau).all():
+            raise LevelFault(
+                f"controller {self.settings.controller!r} gave torques {tau.tolist()}; "
+                f"{self.arm.n} finite numbers are needed"
+            )
+        most = self.axes["speed"]["max_current"]
+        self.states["current_reference"] = np.clip(tau / (self._ratio * self.axes["torque_constant"]), -most, most)
 
     def fault(self, code: int, axis: int, time: float, reference: float, current: float) -> DriveFault:
         """Return the error for a limit that an axis left at a time (s)."""

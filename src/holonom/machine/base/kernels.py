@@ -228,6 +228,7 @@ def _drive(
             push = control_traction(params.traction, wheel, own, rim_speed(wheel, twist), push)
         drive_wheels(wheel, own, push, rim_speed(wheel, wanted))
         store(signals.voltages, i, own.voltage)
+        store(signals.speeds, i, own.works * own.rim_reference / wheel.radius)
 
 
 @loop(error_model="numpy", forceinline=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from holonom.errors import MotionError
 from holonom.spatial import inverse
 
-__all__ = ["Disc", "Gripper", "Surface", "World"]
+__all__ = ["Disc", "Fingers", "Gripper", "Surface", "World"]
 
 Array = NDArray[np.float64]
 
@@ -57,21 +58,39 @@ class Disc:
 
 
 class World:
-    """What the gripper can touch. `step` is called once per program tick."""
+    """What hands can touch: surfaces and discs; `Fingers` move the discs."""
 
-    def __init__(self, surfaces: list[Surface], discs: list[Disc], gripper: Gripper) -> None:
-        self.surfaces, self.discs, self.gripper = surfaces, discs, gripper
+    def __init__(self, surfaces: Sequence[Surface] = (), discs: Sequence[Disc] = ()) -> None:
+        self.surfaces, self.discs = list(surfaces), list(discs)
+
+    def support(self, disc: Disc) -> float:
+        """Height of what lies under a disc's centre: a surface, another disc, the floor."""
+        heights = [0.0]
+        for surface in self.surfaces:
+            x, y = (inverse(surface.pose) @ disc.pose[:, 3])[:2]
+            if abs(x) <= surface.size[0] / 2 and abs(y) <= surface.size[1] / 2:
+                heights.append(float(surface.pose[2, 3]))
+        for other in self.discs:
+            apart = np.hypot(*(other.pose[:2, 3] - disc.pose[:2, 3]))
+            if other is not disc and other.state == RESTING and apart < other.radius + disc.radius - 0.5e-3:
+                heights.append(float(other.pose[2, 3]) + other.thickness / 2)
+        return max(h for h in heights if h <= disc.pose[2, 3])
+
+
+class Fingers:
+    """A gripper in a world. `step` is called once per program tick. Mutable state: `opening`, `held`, what falls."""
+
+    def __init__(self, world: World, gripper: Gripper) -> None:
+        self.world, self.gripper = world, gripper
         self.opening = gripper.max_opening
+        self.held: Disc | None = None
+        """The disc between the fingers."""
+        self._dropped: list[Disc] = []
         self._wanted = self.opening
         self._blocked = 0.0
 
     @property
-    def held(self) -> Disc | None:
-        """The disc in the gripper."""
-        return next((d for d in self.discs if d.state == HELD), None)
-
-    @property
-    def hand_idle(self) -> bool:
+    def idle(self) -> bool:
         """Whether the fingers stand where they were sent, or on a part."""
         return abs(self.opening - max(self._wanted, self._blocked)) < 1e-9
 
@@ -81,7 +100,7 @@ class World:
         disc = self.held
         return np.zeros(4) if disc is None else np.array([disc.mass, *disc.in_tool[:3, 3]])
 
-    def send_hand(self, opening: float) -> None:
+    def send(self, opening: float) -> None:
         """Send the fingers to an opening (m)."""
         self._wanted = min(max(opening, 0.0), self.gripper.max_opening)
 
@@ -94,11 +113,10 @@ class World:
             A finger came down on a part.
         """
         happened = self._move_fingers(T_wt, dt)
-        for disc in self.discs:
-            if disc.state == HELD:
-                disc.pose = T_wt @ disc.in_tool
-            elif disc.state == FALLING:
-                happened += self._fall(disc, dt)
+        if self.held is not None:
+            self.held.pose = T_wt @ self.held.in_tool
+        for disc in list(self._dropped):
+            happened += self._fall(disc, dt)
         self._check_fingers(T_wt)
         return happened
 
@@ -109,7 +127,8 @@ class World:
         if self._wanted > self.opening:
             self.opening = min(self.opening + way, self._wanted)
             if held is not None and self.opening > self._blocked:
-                held.state, held.fall_speed = FALLING, 0.0
+                held.state, held.fall_speed, self.held = FALLING, 0.0, None
+                self._dropped.append(held)
                 self._blocked = 0.0
                 return [f"released {held.name}"]
             return []
@@ -122,7 +141,7 @@ class World:
     def _squeeze(self, T_wt: Array) -> list[str]:
         """Push a disc to the middle of the closing fingers, and hold it once both are on it."""
         to_tool = inverse(T_wt)
-        for disc in self.discs:
+        for disc in self.world.discs:
             in_tool = to_tool @ disc.pose
             if disc.state != RESTING or not self._between_fingers(disc, in_tool):
                 continue
@@ -131,7 +150,7 @@ class World:
                 in_tool[1, 3] = np.clip(in_tool[1, 3], -room, room)
                 disc.pose = T_wt @ in_tool
             if room == 0.0:
-                disc.state, disc.in_tool = HELD, in_tool
+                disc.state, disc.in_tool, self.held = HELD, in_tool, disc
                 self._blocked = self.opening = 2.0 * disc.radius
                 return [f"grasped {disc.name}"]
         return []
@@ -145,7 +164,7 @@ class World:
 
     def _fall(self, disc: Disc, dt: float) -> list[str]:
         disc.fall_speed += GRAVITY * dt
-        floor = self._support(disc) + disc.thickness / 2
+        floor = self.world.support(disc) + disc.thickness / 2
         z = disc.pose[2, 3] - disc.fall_speed * dt
         disc.pose = disc.pose.copy()
         if z > floor:
@@ -154,25 +173,15 @@ class World:
         flat = np.eye(4)
         flat[:3, 3] = disc.pose[0, 3], disc.pose[1, 3], floor
         disc.pose, disc.state = flat, RESTING
+        self._dropped.remove(disc)
         return [f"{disc.name} lies at {1e3 * flat[0, 3]:.1f}, {1e3 * flat[1, 3]:.1f}, {1e3 * flat[2, 3]:.1f} mm"]
-
-    def _support(self, disc: Disc) -> float:
-        """Height of what lies under a disc's centre: a surface, another disc, the floor."""
-        heights = [0.0]
-        for surface in self.surfaces:
-            x, y = (inverse(surface.pose) @ disc.pose[:, 3])[:2]
-            if abs(x) <= surface.size[0] / 2 and abs(y) <= surface.size[1] / 2:
-                heights.append(float(surface.pose[2, 3]))
-        for other in self.discs:
-            apart = np.hypot(*(other.pose[:2, 3] - disc.pose[:2, 3]))
-            if other is not disc and other.state == RESTING and apart < other.radius + disc.radius - 0.5e-3:
-                heights.append(float(other.pose[2, 3]) + other.thickness / 2)
-        return max(h for h in heights if h <= disc.pose[2, 3])
 
     def _check_fingers(self, T_wt: Array) -> None:
         """No finger may stand in a disc: fingertips are rectangles in the tool's x-y plane."""
         tip = T_wt[2, 3]
-        low = [d for d in self.discs if d.state == RESTING and tip < d.pose[2, 3] + d.thickness / 2 - LEAST_OVERLAP]
+        low = [
+            d for d in self.world.discs if d.state == RESTING and tip < d.pose[2, 3] + d.thickness / 2 - LEAST_OVERLAP
+        ]
         if not low:
             return
         centres = (inverse(T_wt) @ np.stack([d.pose[:, 3] for d in low], axis=1))[:2]

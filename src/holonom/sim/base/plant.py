@@ -70,6 +70,8 @@ class BasePlant:
         Source of the sensors' noise; without one they have none.
     substeps
         Steps of the plant per millisecond.
+    ideal
+        Wheels turn as they are told and never slip: no motors, no floor.
 
     Raises
     ------
@@ -91,6 +93,7 @@ class BasePlant:
         faults: Sequence[BaseFault] = (),
         rng: np.random.Generator | None = None,
         substeps: int = 2,
+        ideal: bool = False,
     ) -> None:
         if substeps < 1:
             raise OutOfLimits(f"BasePlant: substeps is {substeps!r}; it must be at least 1")
@@ -114,13 +117,16 @@ class BasePlant:
             *floor_table(floor),
             np.array(broken, dtype=np.int64).reshape(-1, 3),
             SensorParams(*astuple(sensors)),
+            ideal,
+            self._forward(),
         )
         self.state = aligned_records(np.zeros(1, BODY_STATE), BODY_STATE)
         states = np.zeros(len(self.driven), WHEEL_STATE)
         states["conducts"] = 1.0
         self.states = side_by_side(states, conducts=0.0)
         lanes = WIDTH * len(self.states)
-        self.signals = WheelSignals(np.zeros(lanes, np.int64), np.zeros(lanes), np.zeros(3), np.zeros(lanes))
+        zeros = (np.zeros(lanes), np.zeros(lanes))
+        self.signals = WheelSignals(np.zeros(lanes, np.int64), np.zeros(lanes), np.zeros(3), *zeros)
         """What its sensors read last, and the voltages that it is driven with."""
         self._place((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), np.zeros(3 + WIDTH * len(self.states)))
 
@@ -157,6 +163,12 @@ class BasePlant:
         found = np.zeros((ticks, 3 + WIDTH * len(self.states)))
         if self.rng is not None:
             found[:, : 3 + len(self.driven)] = self.rng.standard_normal((ticks, 3 + len(self.driven)))
+        return found
+
+    def _forward(self) -> Array:
+        """(3, 4 n) twist per wheel speed, rad/s, by least squares."""
+        found = np.zeros((3, -(-len(self.radii) // WIDTH) * WIDTH))
+        found[:, : len(self.radii)] = np.linalg.pinv(self.rows) * self.radii
         return found
 
     def drive_open(self, voltages: ArrayLike) -> BaseTruth:

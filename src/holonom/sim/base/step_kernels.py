@@ -17,6 +17,7 @@ from holonom.trace.simd import WIDTH, load, packed, store
 __all__ = ["BasePlantParams", "SensorParams", "advance", "find_material", "sense"]
 
 FLAGS = {"contract"}
+TICK = 1e-3  # s, of a step
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Records = NDArray[np.void]
@@ -42,6 +43,8 @@ class BasePlantParams(NamedTuple):
     patches: Records
     faults: Integers  # (f, 3) tick, wheel, kind, in order of time
     sensors: SensorParams
+    ideal: bool  # wheels turn as they are told, and do not slip
+    forward: Floats  # (3, 4 n) twist (vx, vy, w) per wheel speed where nothing slips
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -51,6 +54,10 @@ def advance(params: BasePlantParams, state: Records, states: Records, signals: W
     `noise` (3 + 4 n,) are standard normal numbers: gyro, accelerometers, shunts.
     """
     body = state[0]
+    if params.ideal:
+        _follow(params, body, states, signals)
+        sense(params, state, states, signals, noise)
+        return
     near = _floor(params.floor, params.patches, body, params.wheels, states, body.near != 0)
     body.near = 1 if near else 0
     for i in range(len(states)):
@@ -78,6 +85,27 @@ def sense(params: BasePlantParams, state: Records, states: Records, signals: Whe
             counter = encoder_counter(encoder, wheel.gear.ratio[lane] * own.angle[lane])
             signals.counters[i * WIDTH + lane] = counter
         store(signals.currents, i, packed(own).current + sensors.current_noise * load(noise[3:], i))
+
+
+@loop(error_model="numpy", forceinline=True)
+def _follow(params: BasePlantParams, body: Any, states: Records, signals: WheelSignals) -> None:
+    """Wheels turn as they are told for a millisecond, and the base as they turn, on an arc."""
+    vx = vy = w = 0.0
+    for i in range(len(signals.speeds)):
+        own, lane = states[i // WIDTH], i % WIDTH
+        speed = signals.speeds[i]
+        own.speed[lane] = speed
+        own.angle[lane] += TICK * speed
+        vx += params.forward[0, i] * speed
+        vy += params.forward[1, i] * speed
+        w += params.forward[2, i] * speed
+    body.ax, body.ay = (vx - body.vx) / TICK - w * vy, (vy - body.vy) / TICK + w * vx
+    s, c = sincos(body.theta + 0.5 * TICK * w)
+    body.x += TICK * (c * vx - s * vy)
+    body.y += TICK * (s * vx + c * vy)
+    body.theta += TICK * w
+    body.vx, body.vy, body.w = vx, vy, w
+    body.tick += 1
 
 
 @loop(error_model="numpy", forceinline=True)

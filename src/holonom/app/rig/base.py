@@ -1,0 +1,231 @@
+"""`BaseRig`: a mobile base that drives its path, follows its velocities or holds."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.app.job import BaseJob
+from holonom.app.rig.base_records import BaseRecords
+from holonom.app.rig.base_words import BaseWords
+from holonom.closed_loop import BaseLoop
+from holonom.closed_loop.base import driven_part
+from holonom.errors import DriveFault
+from holonom.machine import BaseController, Creep
+from holonom.machine.base.kernels import RUNNING, STOPPED
+from holonom.machine.digital import DigitalSignals
+from holonom.machine.group import planar_pose
+from holonom.machine.supervisor import StopCategory
+from holonom.signals import Event, Sink
+from holonom.sim import BasePlant, Floor
+from holonom.sim.base.log import of_wheels
+
+__all__ = ["BaseRig", "BaseTruthView", "make_base"]
+
+Array = NDArray[np.float64]
+
+MS = 10  # of a tick
+STILL = 5e-3
+"""Speed (m/s, and rad/s times the base's radius) below which a base stands."""
+SLOWEST = 0.2  # part of the path's speed below which a run is cut off
+
+
+class BaseTruthView(NamedTuple):
+    """What is so of a base: time (s), pose (3,) in the world, twist (3,) and acceleration (2,) in base_link."""
+
+    time: float
+    pose: Array
+    twist: Array
+    acceleration: Array
+
+
+def make_base(job: BaseJob, floor: Floor, rng: np.random.Generator) -> BaseLoop:
+    """Return the base with its controller, standing where it starts."""
+    ideal = job.drives == "ideal"
+    plant = BasePlant(job.base, job.drive, floor, sensors=job.sensors, faults=job.faults, rng=rng, ideal=ideal)
+    loop = BaseLoop(BaseController(job.base, job.drive, job.settings, creep=creep_on(floor)), plant)
+    path, twist = job.task.path, (0.0, 0.0, 0.0)
+    if path is not None and job.task.after is None and job.task.start == 0.0:
+        twist = tuple(path.twist[0])
+    loop.place(job.pose, twist)
+    return loop
+
+
+def creep_on(floor: Floor) -> Creep:
+    """Return what a controller may know of wheels that grip a floor."""
+    return Creep(floor.material.creep, floor.material.peak or 1.0)
+
+
+class BaseRig:
+    """A base with its task.
+
+    Parameters
+    ----------
+    job
+        What it is and does.
+    loop
+        It with its controller, standing where it starts.
+    floor, sink, signals
+        What it stands on, where its records go, the cell's signals.
+    alone
+        Whether it is the only robot: its run ends to the millisecond where its path does.
+    """
+
+    def __init__(
+        self, job: BaseJob, loop: BaseLoop, floor: Floor, sink: Sink, signals: DigitalSignals, *, alone: bool
+    ) -> None:
+        self.job, self.name, self.loop, self._sink, self._signals = job, job.name, loop, sink, signals
+        controller = loop.controller
+        self._records = BaseRecords(job, creep_on(floor), controller.params.residual * controller.radii, sink)
+        self._words = BaseWords(job.base.driven, floor.material.slip_at_peak)
+        self._faults = sorted(job.faults, key=lambda fault: fault.time)
+        self._alone, self._log = alone, loop.buffer(0)
+        self._began: float | None = None
+        self._ended, self._stopping = False, False
+        self.driven = 0.0
+        """Part of its path that it has driven, 0 to 1."""
+
+    @property
+    def done(self) -> bool:
+        """Whether its task is at its end."""
+        return self._ended
+
+    @property
+    def paused(self) -> bool:
+        """A base has no program."""
+        return False
+
+    @property
+    def standing(self) -> bool:
+        """Whether it stands."""
+        x, y, turn = np.abs(self.loop.plant.twist)
+        return bool(max(x, y, turn * self.job.base.radius) < STILL)
+
+    @property
+    def truth(self) -> BaseTruthView:
+        """What sensors of the cell may see of it."""
+        state, plant = self.loop.plant.state[0], self.loop.plant
+        return BaseTruthView(plant.time, plant.pose, plant.twist, np.array([state["ax"], state["ay"]]))
+
+    def frame(self, name: str) -> Array:
+        """Where one of its frames truly is, T (4, 4) in the world."""
+        found: Array = planar_pose(self.loop.plant.pose) @ self.job.frames[name]
+        return found
+
+    def think(self) -> None:
+        """Begin the task when it is time, go on with it, and end it."""
+        task, now = self.job.task, self.loop.time
+        if self._began is None:
+            waits = not self._signals.get(task.after) if task.after is not None else now < task.start
+            if waits:
+                return
+            self._began = now
+            if task.path is not None:
+                path = task.path
+                self.loop.controller.follow_path(np.hstack([path.pose, path.twist, path.acceleration]))
+        since = now - self._began
+        if task.velocities is not None and not self._ended:
+            rows = task.velocities[task.velocities[:, 0] <= since + 1e-9]
+            if len(rows):
+                self.loop.controller.follow_velocity(rows[-1, 1:])
+            if len(rows) == len(task.velocities) and not rows[-1, 1:].any() and self.standing:
+                self._end("velocities driven")
+        elif task.path is None and not self._ended and since >= (task.hold or 0.0) - 1e-9:
+            self._end("held its place")
+
+    def advance(self, ticks: int) -> None:
+        """Advance by some ticks.
+
+        Raises
+        ------
+        DriveFault
+            A jammed wheel stopped it, or it gets too slow for its path.
+        """
+        left = MS * ticks
+        while left > 0:
+            first, done = int(self.loop.plant.state["tick"][0]), self._drive(left)
+            left -= done
+            self._say(first, done)
+            if self._running_path and self.loop.controller.ending != RUNNING:
+                self._path_ended()
+                if self._alone:
+                    return
+        if self._too_slow():
+            raise DriveFault(self._cut("cut off", ": driven too slowly, it takes more than 5 times its time"))
+
+    def _too_slow(self) -> bool:
+        path = self.job.task.path
+        if path is None or self._began is None or self._ended or self._stopping:
+            return False
+        return self.loop.time - self._began > float(path.time[-1]) / SLOWEST
+
+    @property
+    def _running_path(self) -> bool:
+        return self._began is not None and self.job.task.path is not None and not self._ended
+
+    def _drive(self, ms: int) -> int:
+        if len(self._log.body) != ms:
+            self._log = self.loop.buffer(ms)
+        return self.loop.advance_logged(self._log)
+
+    def _say(self, first: int, done: int) -> None:
+        """Records and events of the milliseconds that were driven."""
+        log = self._log.first(done)
+        self._records.put(first, log)
+        slip = of_wheels(log.wheels, "slip", len(self.job.base.driven))
+        for event in [
+            *self._broken(1e-3 * (first + done)),
+            *self._words.events(first, log.said, slip, float(self.loop.controller.state["goal"][0])),
+        ]:
+            self._sink.put(event)
+
+    def _broken(self, until: float) -> list[Event]:
+        found = []
+        while self._faults and self._faults[0].time < until:
+            fault = self._faults.pop(0)
+            name = self.job.base.driven[self.loop.plant.wheel_index(fault.wheel)]
+            text = f"the motor of {name} {'dies' if fault.kind == 'dead' else 'jams'}"
+            found.append(Event(fault.time, "warning", "plant", text))
+        return found
+
+    def _path_ended(self) -> None:
+        """At the end of its path it holds; stopped on the way it has failed."""
+        controller = self.loop.controller
+        stopped = controller.ending == STOPPED
+        reason = self._cut("stopped with a jammed wheel") if stopped else ""
+        controller.hold()
+        if stopped and not self._stopping:
+            raise DriveFault(reason)
+        self.driven = 1.0
+        self._end("path driven")
+
+    def _cut(self, what: str, why: str = "") -> str:
+        path = self.job.task.path
+        assert path is not None
+        self.driven = driven_part(path, float(self.loop.controller.state["phase"][0]))
+        return f"{what} after {100.0 * self.driven:.0f} % of the path{why}"
+
+    def _end(self, what: str) -> None:
+        self._ended = True
+        self.log("info", "path", what)
+        if self.job.task.done is not None:
+            self._signals.set(self.job.task.done, True, self.loop.time)
+
+    def begin_stop(self, category: StopCategory) -> None:
+        """Stop from the next tick on: slower and slower along the path, or at once where it is."""
+        self._stopping = True
+        controller = self.loop.controller
+        if category is StopCategory.ON_PATH and self._running_path:
+            controller.state["goal"] = 0.0
+        else:
+            controller.hold()
+
+    def explain(self, fault: Exception) -> str:
+        """Word a fault."""
+        return f"{self.name}: {fault}" if self.name else str(fault)
+
+    def log(self, level: str, source: str, text: str) -> None:
+        """Record an event of it."""
+        self._sink.put(Event(self.loop.time, level, source, text))

@@ -1,0 +1,127 @@
+"""The log of a base as records, buffer after buffer."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.app.base.scene import wheel_frames, wheel_poses
+from holonom.app.job import BaseJob
+from holonom.closed_loop.base_kernels import LogBuffer
+from holonom.control.base_uncertainty import PoseUncertainty
+from holonom.machine.base.settings import Creep
+from holonom.machine.base.uncertainty import pose_uncertainty
+from holonom.mobile import SlipStatus
+from holonom.signals import (
+    BaseCommand,
+    BaseState,
+    BaseTruth,
+    DriveState,
+    DriveTruth,
+    EncoderCounts,
+    FramePoses,
+    FrameTree,
+    Inertial,
+    JointCommand,
+    JointState,
+    JointTruth,
+    Signal,
+    Sink,
+    WheelContact,
+)
+from holonom.sim.base.log import columns, truth_of
+
+__all__ = ["BaseRecords"]
+
+Array = NDArray[np.float64]
+
+SLIPS, LOST = 1, 2
+"""Signals of a base that is alone: a wheel slips; a motor is left out."""
+
+
+class BaseRecords:
+    """Records of a base: one sample each 10 ms. Mutable state: the covariance of its pose, integrals, signals.
+
+    Parameters
+    ----------
+    job
+        The base.
+    creep
+        What is known of its wheels' creep.
+    residual
+        (m, m) rim speeds that no twist explains, per wheel speed.
+    sink
+        Where records go.
+    """
+
+    def __init__(self, job: BaseJob, creep: Creep, residual: Array, sink: Sink) -> None:
+        self._job, self._sink, self._residual = job, sink, residual
+        settings = pose_uncertainty(job.base, job.drive, job.sensors, creep, job.settings.estimate)
+        self._sure = PoseUncertainty(settings, 1e-3)
+        self._wanted = np.zeros(len(job.base.driven))  # integral of the commanded speeds, rad
+        self._frames = wheel_frames(job.base)
+        tree = ("map", "odom", *("base_link" for _ in self._frames)), ("odom", "base_link", *self._frames)
+        self._tree = tree
+        self._signals: dict[int, bool] = {}
+        self._motor = 2.0 * np.pi / job.drive.encoder.counts_per_rev / job.drive.gear.ratio
+        self._torque = job.drive.motor.torque_constant * job.drive.gear.ratio
+
+    def put(self, first: int, log: LogBuffer, every: int = 10) -> None:
+        """Record a buffer whose first millisecond is given."""
+        m, said = len(self._job.base.driven), log.said
+        true = truth_of(np.empty(0), log.body, log.wheels, m)
+        measured_speed, reference, currents, counts = (log.seen[:, row, :m] for row in range(4))
+        seen, twist = columns(said, "seen_x", "seen_y", "seen_theta"), columns(said, "seen_vx", "seen_vy", "seen_w")
+        push = columns(said, "imu_x", "imu_y")
+        sure = self._sure.along(seen, twist, push)
+        wanted = self._wanted + 1e-3 * (np.cumsum(reference, axis=0) - reference)
+        if len(reference):
+            self._wanted = wanted[-1] + 1e-3 * reference[-1]
+        angle = self._motor * (counts + 0.5)
+        at = np.arange(-first % every, len(said), every)
+        T, wheels = _poses(true.pose[at]), wheel_poses_of(self._job, true.wheel_angles[at])
+        believed, seen_wheels = _poses(seen[at]), wheel_poses_of(self._job, angle[at])
+        asked, commanded = columns(said, "ref_x", "ref_y", "ref_theta"), columns(said, "ref_vx", "ref_vy", "ref_w")
+        residual, still, put = measured_speed[at] @ self._residual.T, np.zeros(m), self._sink.put
+        for i, k in enumerate(at):
+            t = 1e-3 * (first + k)
+            self._digital(t, said[k])
+            put(EncoderCounts(t, counts[k].astype(np.int64)))
+            put(JointState(t, angle[k], measured_speed[k], self._torque * currents[k]))
+            put(JointCommand(t, wanted[k], reference[k], still))
+            put(JointTruth(t, true.wheel_angles[k], true.wheel_speeds[k], self._torque * true.currents[k]))
+            put(DriveState(t, currents[k], true.voltages[k]))
+            put(DriveTruth(t, true.currents[k]))
+            put(BaseState(t, seen[k], twist[k], sure[k]))
+            put(BaseCommand(t, asked[k], commanded[k]))
+            put(BaseTruth(t, true.pose[k], true.twist[k]))
+            put(Inertial(t, float(said["gyro"][k]), push[k]))
+            put(WheelContact(t, true.forces[k], true.slip[k], residual[i]))
+            put(FramePoses(t, ("base_link", *self._frames), np.concatenate([T[i, None], T[i] @ wheels[i]])))
+            put(FrameTree(t, *self._tree, np.concatenate([np.eye(4)[None], believed[i, None], seen_wheels[i]])))
+
+    def _digital(self, t: float, said: NDArray[np.void]) -> None:
+        """Signals of a base that is alone; of several robots only the cell has signals."""
+        if self._job.name:
+            return
+        slips = int(said["status"]) in (SlipStatus.SLIP, SlipStatus.AMBIGUOUS)
+        for number, on in ((SLIPS, slips), (LOST, bool(said["dead"]))):
+            if self._signals.get(number) != on:
+                self._signals[number] = on
+                self._sink.put(Signal(t, number, on))
+
+
+def _poses(poses: Array) -> Array:
+    """T (N, 4, 4) of base_link at (N, 3)."""
+    T = np.tile(np.eye(4), (len(poses), 1, 1))
+    T[:, 0, 0] = T[:, 1, 1] = np.cos(poses[:, 2])
+    T[:, 1, 0] = np.sin(poses[:, 2])
+    T[:, 0, 1] = -T[:, 1, 0]
+    T[:, :2, 3] = poses[:, :2]
+    return T
+
+
+def wheel_poses_of(job: BaseJob, angles: Array) -> Array:
+    """T (N, m, 4, 4) of the driven wheels on base_link, turned by angles (N, m)."""
+    found: Array = wheel_poses(job.base, np.eye(4), angles)
+    return found

@@ -1,0 +1,107 @@
+"""What is said of a base while it drives: slip and lost motors as the controller finds them, and as they are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.mobile import SlipStatus
+from holonom.signals import Event
+
+__all__ = ["BaseWords"]
+
+PAUSE = 200  # ms of silence after which no wheel slips any more
+GRIP = 50  # ms of grip after which a wheel has stopped slipping
+Array = NDArray[np.float64]
+
+
+class BaseWords:
+    """Events from what a base's log says, buffer after buffer. Mutable state: what was said last.
+
+    Parameters
+    ----------
+    wheels
+        Names of the driven wheels.
+    slips
+        Slip speed, m/s, from which on a wheel truly slips: there friction is largest.
+    """
+
+    def __init__(self, wheels: Sequence[str], slips: float) -> None:
+        self._wheels, self._limit = tuple(wheels), slips
+        self._said, self._silent = "", 0
+        self._slipping = np.zeros(len(wheels), np.int64)  # ms for which each goes on slipping
+        self._lost = 0
+
+    def events(self, first: int, said: NDArray[np.void], slip: Array, goal: float) -> list[Event]:
+        """Return what is new in a buffer, in order of time.
+
+        Parameters
+        ----------
+        first
+            Its first millisecond.
+        said
+            (N,) `CONTROL_SAMPLE`.
+        slip
+            (N, m) true slip, m/s.
+        goal
+            Part of its speed at which a path is driven from now on.
+        """
+        found = [*self._truth(first, slip), *self._slip(first, said), *self._motors(first, said, goal)]
+        return sorted(found, key=lambda event: event.time)
+
+    def _truth(self, first: int, slip: Array) -> Iterator[Event]:
+        over = np.abs(slip) > self._limit
+        if not (over.any() or self._slipping.any()):
+            return
+        for k in range(len(slip)):
+            for wheel in np.flatnonzero(over[k] | (self._slipping > 0)):
+                name, left = self._wheels[wheel], self._slipping[wheel]
+                if over[k, wheel]:
+                    self._slipping[wheel] = GRIP
+                    if left == 0:
+                        yield Event(1e-3 * (first + k), "debug", "truth", f"{name} slips")
+                else:
+                    self._slipping[wheel] = left - 1
+                    if left == 1:
+                        yield Event(1e-3 * (first + k), "debug", "truth", f"{name} grips")
+
+    def _slip(self, first: int, said: NDArray[np.void]) -> Iterator[Event]:
+        slips = np.isin(said["status"], (SlipStatus.SLIP, SlipStatus.AMBIGUOUS))
+        if not (slips.any() or self._said):
+            return
+        for k in range(len(said)):
+            self._silent = 0 if slips[k] else self._silent + 1
+            if slips[k]:
+                text = _slip_text(self._members(int(said["flagged"][k])))
+                if text != self._said:
+                    yield Event(1e-3 * (first + k), "warning", "slip detection", text)
+                self._said = text
+            elif self._said and self._silent >= PAUSE:
+                yield Event(1e-3 * (first + k), "info", "slip detection", "no wheel slips any more")
+                self._said = ""
+
+    def _motors(self, first: int, said: NDArray[np.void], goal: float) -> Iterator[Event]:
+        lost = said["dead"].astype(np.int64)
+        for k in np.flatnonzero(np.diff(lost, prepend=self._lost)):
+            for name in self._members(int(lost[k] & ~self._lost)):
+                jammed = name in self._members(int(said["jams"][k]))
+                text = f"the motor of {name} does not do as told; {_go_on(jammed, goal)}"
+                yield Event(1e-3 * (first + k), "error", "motor watch", text)
+            self._lost |= int(lost[k])
+
+    def _members(self, wheels: int) -> list[str]:
+        return [name for i, name in enumerate(self._wheels) if (wheels >> i) & 1]
+
+
+def _slip_text(named: list[str]) -> str:
+    if not named:
+        return "a wheel slips; which one is ambiguous"
+    return f"{' and '.join(named)} {'slips' if len(named) == 1 else 'slip'}"
+
+
+def _go_on(jammed: bool, goal: float) -> str:
+    if jammed:
+        return "it is jammed, the base stops"
+    return "driving on without it" + (f", at {100.0 * goal:.0f} % of the speed" if 0.0 < goal < 0.999 else "")

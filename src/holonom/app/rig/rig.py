@@ -1,0 +1,242 @@
+"""`Rig`: all robots of a job, advanced together, recorded as they go, stopped together."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.app.job import ArmJob, Job, Mount
+from holonom.app.recording import Recorder
+from holonom.app.rig.arm import ArmRig, make_loop
+from holonom.app.rig.base import BaseRig, make_base
+from holonom.app.rig.collisions import Collisions
+from holonom.app.rig.ending import Ended, Ending
+from holonom.app.rig.robot import TICK, RobotRig
+from holonom.closed_loop import ArmLoop, BaseLoop, IdealArm
+from holonom.errors import MotionError, ProgramFault, RunError
+from holonom.machine import ControlSettings
+from holonom.machine.digital import DigitalSignals
+from holonom.machine.group import Group
+from holonom.machine.supervisor import Supervision, Supervisor
+from holonom.signals import Event, FramePoses, Reading
+from holonom.sim import World
+
+__all__ = ["Rig", "Simulated", "simulated"]
+
+Array = NDArray[np.float64]
+
+LONG = 10
+"""Ticks that a cell is advanced at once where nothing is decided between them."""
+
+
+class Simulated:
+    """The closed loops of a job's robots, by name, before their first tick."""
+
+    def __init__(self, arms: dict[str, ArmLoop | IdealArm], bases: dict[str, BaseLoop]) -> None:
+        self.arms, self.bases = arms, bases
+
+    def warm_up(self) -> None:
+        """Compile all that their ticks need, on copies: no time passes for them."""
+        for arm in self.arms.values():
+            trial = copy.deepcopy(arm)
+            trial.advance(np.stack([trial.position[None], np.zeros((1, trial.arm.n)), np.zeros((1, trial.arm.n))]))
+        for base in self.bases.values():
+            trial_base = copy.deepcopy(base)
+            trial_base.advance_logged(trial_base.buffer(1))
+
+
+def simulated(job: Job, settings: Sequence[ControlSettings]) -> Simulated:
+    """Make the closed loops of a job; `settings` are those of each arm."""
+    rngs = [np.random.default_rng(job.seed)]
+    if len(job.bases) > 1:
+        rngs = [np.random.default_rng(s) for s in np.random.SeedSequence(job.seed).spawn(len(job.bases))]
+    arms = {a.name: make_loop(a, own) for a, own in zip(job.arms, settings, strict=True)}
+    bases = {b.name: make_base(b, job.floor, rng) for b, rng in zip(job.bases, rngs, strict=False)}
+    return Simulated(arms, bases)
+
+
+class Rig:
+    """A job in motion.
+
+    Parameters
+    ----------
+    job
+        What is there and what is to be done.
+    loops
+        Its robots; they are advanced.
+    recorder
+        Where all goes.
+    say
+        Takes what programs type.
+    """
+
+    def __init__(self, job: Job, loops: Simulated, recorder: Recorder, *, say: Callable[[str], None]) -> None:
+        self.job, self._recorder = job, recorder
+        self.world = World(job.surfaces, [copy.copy(part) for part in job.parts])
+        self.signals = DigitalSignals(recorder)
+        self.robots: list[RobotRig] = []
+        self.bases: dict[str, BaseRig] = {}
+        self.arms: dict[str, ArmRig] = {}
+        alone = len(job.arms) + len(job.bases) == 1
+        for base in job.bases:
+            sink = recorder.scoped(base.name, base.base.driven, tool="base_link")
+            self.bases[base.name] = BaseRig(base, loops.bases[base.name], job.floor, sink, self.signals, alone=alone)
+        for arm in job.arms:
+            self.arms[arm.name] = self._arm(arm, loops, say)
+        self.robots = [*self.bases.values(), *self.arms.values()]
+        self.supervisor = Supervisor(self.robots)
+        self._collisions = Collisions(job.obstacles)
+        self._events = sorted(job.events, key=lambda event: event.at)
+        self._rng = np.random.default_rng([job.seed, 1])
+        self._ticks = 0
+        deciding = bool(job.arms or job.events or job.sensors or job.obstacles)
+        deciding = deciding or any(b.task.velocities is not None or b.task.after is not None for b in job.bases)
+        self._step = 1 if deciding else LONG
+        self._observe()
+
+    def _arm(self, job: ArmJob, loops: Simulated, say: Callable[[str], None]) -> ArmRig:
+        sink = _Typed(self._recorder.scoped(job.name, job.arm.limits.names), say)
+        believed = true = None
+        mount = job.mount
+        if mount is not None and mount.robot is not None:
+            carrier = self.bases[mount.robot]
+            on_base = carrier.job.frames[mount.frame] @ mount.T
+            believed = Group(carrier.loop.controller, on_base).frame
+            true = _carried(carrier, mount)
+        return ArmRig(
+            job, loops.arms[job.name], self.world, sink, self.signals, seed=self.job.seed, believed=believed, true=true
+        )
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        if len(self.robots) == 1:
+            return float(self.robots[0].truth.time)
+        return TICK * self._ticks
+
+    def run(
+        self, *, stop: Callable[[], bool] = lambda: False, progress: Callable[[float], None] = lambda t: None
+    ) -> Ended:
+        """Run to the end, or until `stop` says so; what happened is recorded.
+
+        Parameters
+        ----------
+        stop
+            Asked between ticks.
+        progress
+            Told the simulated time.
+        """
+        while True:
+            running = self.supervisor.state is Supervision.RUNNING
+            if running and stop():
+                self._recorder.put(Event(self.time, "error", "operator", "stopped"))
+                self.supervisor.stop()
+            if running:
+                self._each(lambda robot: robot.think())
+            self._each(lambda robot: robot.advance(self._step))
+            self._ticks += self._step
+            self._look_around()
+            progress(self.time)
+            state = self.supervisor.tick()
+            if state is Supervision.STOPPED or (state is Supervision.RUNNING and self._done()):
+                return self._ended()
+
+    def _each(self, act: Callable[[RobotRig], None]) -> None:
+        for robot in self.robots:
+            try:
+                act(robot)
+            except RunError as fault:
+                self._fail(robot, fault)
+
+    def _fail(self, robot: RobotRig | None, fault: RunError) -> None:
+        text = str(fault) if robot is None else robot.explain(fault)
+        if robot is None:
+            self._recorder.put(Event(self.time, "error", "cell", text))
+        else:
+            robot.log("error", "program" if isinstance(fault, ProgramFault | MotionError) else "drive", text)
+        self.supervisor.fail(robot, type(fault)(text))
+
+    def _done(self) -> bool:
+        if all(robot.done for robot in self.robots):
+            return True
+        if self.time >= self.job.time_limit - 1e-9:
+            self._fail(None, ProgramFault(self._late()))
+        return False
+
+    def _late(self) -> str:
+        limit = f"not done after {self.job.time_limit:g} s of simulated time, the cell's time_limit"
+        places = [arm.where() for arm in self.arms.values() if not arm.done and arm.where()]
+        return "\n  ".join([f"{places[0].partition(': ')[0]}: {limit}" if places else limit, *places])
+
+    def _look_around(self) -> None:
+        """Events of the cell, its sensors, its parts, and what was hit."""
+        while self._events and self._events[0].at <= self.time + 1e-9:
+            event = self._events.pop(0)
+            self.signals.set(event.number, event.on, self.time)
+        self._observe()
+        hit = self._collisions.first(self.bases.values(), self.arms.values())
+        if hit is not None and self.supervisor.state is Supervision.RUNNING:
+            self._fail(hit.robot, MotionError(hit.text))
+
+    def _observe(self) -> None:
+        now = self.time
+        if self.world.discs:
+            names = tuple(disc.name for disc in self.world.discs)
+            self._recorder.put(FramePoses(now, names, np.stack([disc.pose for disc in self.world.discs])))
+        by_name = {robot.name: robot for robot in self.robots}
+        for sensor in self.job.sensors:
+            values = sensor.sensor.read(by_name[sensor.robot].truth, self._rng)
+            self._recorder.put(Reading(now, sensor.name, np.atleast_1d(np.asarray(values, float))))
+
+    def _ended(self) -> Ended:
+        fault = self.supervisor.fault
+        if fault is not None:
+            return Ended(Ending.FAILED, str(fault), self.time, fault)
+        if self.supervisor.state is Supervision.STOPPED:
+            return Ended(Ending.STOPPED, "stopped by the operator", self.time)
+        if any(robot.paused for robot in self.robots):
+            return Ended(Ending.PAUSED, "program at PAUSE", self.time)
+        return Ended(Ending.DONE, "done", self.time)
+
+    def statistics(self) -> dict[str, Any]:
+        """What no track holds: the worst of each joint at the controllers' own rates, parts in their fields."""
+        arms = {
+            name: {
+                joint: {what: float(values[k]) for what, values in arm.loop.worst.items()}
+                for k, joint in enumerate(arm.job.arm.limits.names)
+            }
+            for name, arm in self.arms.items()
+        }
+        touch = {name: float(arm.loop.touch) for name, arm in self.arms.items()}
+        driven = {name: base.driven for name, base in self.bases.items()}
+        return {"joints": arms, "contact_force": touch, "path_driven": driven, "placed": self._placed()}
+
+    def _placed(self) -> dict[str, int]:
+        found = {place.name: 0 for place in self.job.fields}
+        for disc in self.world.discs:
+            for place in self.job.fields:
+                x, y, z = (np.linalg.inv(place.T) @ disc.pose[:, 3])[:3]
+                if 0.0 <= x <= place.size[0] and 0.0 <= y <= place.size[1] and z < place.height:
+                    found[place.name] += 1
+                    break
+        return found
+
+
+class _Typed:
+    """A sink that shows what programs type."""
+
+    def __init__(self, sink: Any, say: Callable[[str], None]) -> None:
+        self._sink, self._say = sink, say
+
+    def put(self, record: Any) -> None:
+        if isinstance(record, Event) and record.level == "info" and record.source == "program":
+            self._say(record.text)
+        self._sink.put(record)
+
+
+def _carried(carrier: BaseRig, mount: Mount) -> Callable[[], Array]:
+    return lambda: carrier.frame(mount.frame) @ mount.T

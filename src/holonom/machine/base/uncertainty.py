@@ -1,0 +1,55 @@
+"""What a base's controller does not know of its pose: sensors, creep of its wheels, and how its loads shift."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.control.base_uncertainty import UncertaintySettings
+from holonom.control.path_keeping import EstimateSettings
+from holonom.machine.base.settings import Creep
+from holonom.mobile.base import WheelBase
+from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive, BaseSensors, base_mass, load_shares
+
+__all__ = ["pose_uncertainty"]
+
+Array = NDArray[np.float64]
+
+MORE = 1.4  # creep grows faster than force where wheels push hard
+PARTS = 24  # directions of acceleration that are looked at
+
+
+def pose_uncertainty(
+    base: WheelBase, drive: BaseDrive, sensors: BaseSensors, creep: Creep, estimate: EstimateSettings
+) -> UncertaintySettings:
+    """Return the settings of the covariance of a base's dead reckoning.
+
+    Wheels creep by rim force over load. Force comes from acceleration (split with least squares, over loads that it
+    shifts) and from the rollers' drag.
+    """
+    ahead, left, turn = _creep(base, creep.slope)
+    odd = 0.5 * (turn - np.roll(turn, PARTS // 2))
+    even = 0.5 * (turn + np.roll(turn, PARTS // 2))
+    return UncertaintySettings(
+        gyro_noise=sensors.gyro_noise,
+        gyro_bias=abs(sensors.gyro_bias),
+        bias_time=estimate.bias_time,
+        drift=abs(sensors.accelerometer_bias) / estimate.bandwidth,
+        drag_creep=max(ahead, left) * GRAVITY * drive.roller_drag,
+        push_creep=(ahead, left),
+        turn_square=float(np.abs(even).max()),
+        turn_lean=(float(abs(odd[0])), float(abs(odd[PARTS // 4]))),
+    )
+
+
+def _creep(base: WheelBase, slope: float) -> tuple[float, float, Array]:
+    """False velocity per acceleration ahead and to the left, s; false turning (PARTS,), rad/s, at 1 m/s^2 any way."""
+    D, mass = base.velocity_coupling * [1.0, 1.0, base.radius], base_mass(base)
+    support, count = load_shares(base), len(D)
+    angle = 2.0 * np.pi * np.arange(PARTS) / PARTS
+    a = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle])
+    force = D @ np.linalg.pinv(D.T @ D) @ (mass * a)
+    loads = GRAVITY * support[:count, :1] - base.com_height * support[:count, 1:] @ a[:2]
+    slip = MORE * slope * force / (mass * loads)
+    twist = np.linalg.pinv(D) @ slip
+    return float(abs(twist[0, 0])), float(abs(twist[1, PARTS // 4])), (D[:, 2] @ slip) / (D[:, 2] @ D[:, 2])
