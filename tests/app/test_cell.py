@@ -85,7 +85,7 @@ def test_examples_load(name: str) -> None:
 def test_what_the_second_example_leaves_out() -> None:
     cell = load_cell(EXAMPLES / "02_straight_lines" / "cell.toml")
     assert (cell.camera, cell.parts, cell.tray) == (None, None, None)
-    assert cell.robot[0].controllers == ("cascade", "computed_torque")
+    assert [law.name for law in cell.robot[0].controllers] == ["cascade", "computed_torque"]
 
 
 def test_a_pixel_is_half_a_millimetre(cell: Cell) -> None:

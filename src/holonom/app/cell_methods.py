@@ -73,7 +73,9 @@ class OneMethod:
                 f"{value!r} came; a {self.table.one} is expected: kind = one of {names}, and its parameters"
             )
         name = given["kind"]
-        if name not in self.table:
+        if isinstance(value, str):
+            self.table[name]  # UnknownName
+        elif name not in self.table:
             _refuse({"kind": _caught(lambda: self.table[name])}, given)
         rest = {key: entry for key, entry in given.items() if key != "kind"}
         return Chosen(self.table, name, read_params(self.table, name, rest))

@@ -23,7 +23,8 @@ from holonom.app.cell.places import Placement
 from holonom.app.cell.refusals import Faults, refuse
 from holonom.app.cell.sources import ArmSource, BaseSource, ReadModel, form_schema
 from holonom.app.cell.tasks import PathTable, ProgramTable, SignalNumber, StartTable, TwistTable
-from holonom.app.cell_fields import OneOf, Quantity, Section, Size
+from holonom.app.cell_fields import Quantity, Section, Size
+from holonom.app.cell_methods import Chosen, OneMethod
 from holonom.app.units import DIMENSIONS, parse_quantity
 from holonom.control import CONTROLLERS
 from holonom.errors import CellError, OutOfLimits, UnknownName
@@ -116,14 +117,14 @@ def _controllers(given: Any, info: ValidationInfo) -> Any:
     if _is_base(info):
         return BaseParts.model_validate({} if given is None else given, context=info.context)
     found = _LAWS.validate_python(("computed_torque",) if given is None else given, context=info.context)
-    if len(set(found)) < len(found):
-        raise CellError(f"{', '.join(found)} came; name each controller once")
+    names = [law.name for law in found]
+    if len(set(names)) < len(names):
+        raise CellError(f"{', '.join(names)} came; name each controller once")
     return found
 
 
-_LAWS: TypeAdapter[tuple[str, ...]] = TypeAdapter(
-    Annotated[tuple[Annotated[str, OneOf(CONTROLLERS)], ...], Field(min_length=1)]
-)
+Laws = Annotated[tuple[Annotated[Chosen, OneMethod(CONTROLLERS)], ...], Field(min_length=1)]
+_LAWS: TypeAdapter[tuple[Chosen, ...]] = TypeAdapter(Laws)
 
 
 def _tool(given: Any, info: ValidationInfo) -> Any:
@@ -166,7 +167,6 @@ def _written(value: float, joint: Joint) -> str:
 
 
 _QUANTITIES = {"type": "array", "items": {"type": "string"}}
-_NAMES = {"type": "array", "items": {"type": "string", "enum": list(CONTROLLERS)}, "minItems": 1}
 
 
 class Robot(Section):
@@ -187,7 +187,7 @@ class Robot(Section):
     """frame of another robot on which it stands, such as "agv.top\""""
     home: Annotated[tuple[float, ...] | None, Read(_home, (_QUANTITIES,))] = None
     """joint values at which a run starts; the model's nominal or home pose, or zeros, unless given"""
-    controllers: Annotated[tuple[str, ...] | BaseParts, Read(_controllers, (_NAMES, BaseParts))] = Field(
+    controllers: Annotated[tuple[Chosen, ...] | BaseParts, Read(_controllers, (Laws, BaseParts))] = Field(
         default=None, validate_default=True
     )
     """joint controllers; the program runs once under each, and the report compares them; of a base a table of parts"""
