@@ -210,18 +210,18 @@ def test_one_file_adds_a_method(
 
 
 def test_a_controller_that_is_added_is_a_choice_of_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from holonom.app.arm.cell_model import ArmTable
+    from holonom.app.cell.robot import Robot
 
     (tmp_path / "thrown_away.py").write_text(CONTROLLER)
     about = tmp_path / "thrown_away-1.0.dist-info"
     about.mkdir()
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: thrown_away\nVersion: 1.0\n")
     (about / "entry_points.txt").write_text("[holonom.controllers]\nspring = thrown_away:METHOD\n")
-    table = {"preset": "pendulum", "home": ["0deg"], "controllers": ["spring"]}
-    with pytest.raises(ValueError, match="no setting 'spring'"):
-        ArmTable.model_validate(table)
+    table = {"model": "pendulum", "home": ["0deg"], "controllers": ["spring"]}
+    with pytest.raises(ValueError, match="no controller 'spring'"):
+        Robot.model_validate(table)
     monkeypatch.syspath_prepend(tmp_path)
-    assert ArmTable.model_validate(table).controllers == ("spring",)
+    assert [law.name for law in Robot.model_validate(table).controllers] == ["spring"]
 
 
 def test_a_package_that_is_wrong_is_a_note(

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from holonom.app.base.cell_model import BaseCell
 from holonom.app.cell import load_cell
 from holonom.errors import CellError
 
@@ -18,12 +17,11 @@ TEXT = SOCCER.read_text("utf-8")
 
 def test_values_are_si() -> None:
     cell = load_cell(SOCCER)
-    assert isinstance(cell, BaseCell)
-    assert cell.base.angles == pytest.approx(tuple(math.radians(a) for a in (57, 135, 225, 303)))
-    assert cell.drive.inductance == pytest.approx(0.56e-3)
-    assert cell.drive.rotor_inertia == pytest.approx(92.5e-7)
-    assert cell.gyro.noise == pytest.approx(math.radians(0.12))
-    assert cell.control.traction_control
+    assert cell.robot[0].model.params.angles == pytest.approx(tuple(math.radians(a) for a in (57, 135, 225, 303)))
+    assert cell.robot[0].drives.inductance == pytest.approx(0.56e-3)
+    assert cell.robot[0].drives.rotor_inertia == pytest.approx(92.5e-7)
+    assert cell.sensor[0].method.params.noise == pytest.approx(math.radians(0.12))
+    assert cell.robot[0].controllers.traction_control
 
 
 def test_what_is_left_out_has_a_default(tmp_path: Path) -> None:
@@ -31,24 +29,23 @@ def test_what_is_left_out_has_a_default(tmp_path: Path) -> None:
     path = tmp_path / "cell.toml"
     path.write_text(text, "utf-8")
     cell = load_cell(path)
-    assert isinstance(cell, BaseCell)
-    assert cell.faults == ()
-    assert cell.gyro.noise == 0.0
-    assert cell.control.slip_detection
+    assert cell.fault == ()
+    assert cell.sensor[0].method.params.noise == 0.0
+    assert cell.robot[0].controllers.slip_detection
 
 
 @pytest.mark.parametrize(
     ("old", "new", "key", "says"),
     [
-        ('wheel_radius = "27.11mm"', 'wheel_radius = "0mm"', "base.wheel_radius", "'0mm' came; 0.1mm to 100m"),
-        ('radius = "78.9mm"\n', "", "base", "radius is missing; arrangement 'omni' takes angles and radius"),
+        ('wheel_radius = "27.11mm"', 'wheel_radius = "0mm"', "base.wheel_radius", "is 0.0; it must be finite and greater than 0 m"),
+        ('radius = "78.9mm"\n', "", "base", "radius missing; it needs radius (distance"),
         ('arrangement = "omni"', 'arrangement = "omny"', "base.arrangement", "did you mean 'omni'"),
-        ('arrangement = "omni"', 'arrangement = "mecanum"', "base", "angles came"),
+        ('arrangement = "omni"', 'arrangement = "mecanum"', "base.angles", "no parameter of arrangement of wheels 'mecanum' 'angles'"),
         ('mass = "6.35kg"', "mass = 6.35", "base.mass", "6.35 came"),
         ('supply = "14.8V"', 'supply = "14.8A"', "drive.supply", "V or mV"),
         ('sliding_friction = 0.65', "sliding_friction = 0.9", "floor", "sliding friction is the smaller"),
         ('size = ["300mm", "50mm"]\n', "", "floor.patches[0]", "needs radius or size"),
-        ('wheel = "rear left"', 'wheel = "rear lefd"', "faults", "did you mean 'rear left'"),
+        ('wheel = "rear left"', 'wheel = "rear lefd"', "faults[0].wheel", "did you mean 'rear left'"),
         ('kind = "motor_dead"', 'kind = "motor_died"', "faults[0].kind", "did you mean 'motor_dead'"),
         ('laps = 2', "laps = 0", "path.laps", "0 came"),
         ('shape = "figure_of_eight"', 'shape = "eight"', "path.shape", "figure_of_eight"),

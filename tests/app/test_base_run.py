@@ -12,7 +12,7 @@ import pytest
 
 from holonom.app.base.assembly import build_job, simulate
 from holonom.app.base.outcome import Phase, dead_motors, false_alarms, path_error, slip_episodes
-from holonom.app.cell import load_cell
+from holonom.app.short_cell import load_cell
 from holonom.app.cli import main
 from holonom.app.recording import read_recording
 from holonom.errors import CellError

@@ -11,7 +11,7 @@ import pytest
 
 from holonom.app.base.assembly import build_job, simulate
 from holonom.app.base.record import record_log
-from holonom.app.cell import load_cell
+from holonom.app.short_cell import load_cell
 from holonom.app.cli import main
 from holonom.app.odometry_log import read_log
 from holonom.app.recording import Recorder

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from holonom import load_arm
-from holonom.app.cell import ArmCell, cell_schema, load_cell
+from holonom.app.cell import Cell, cell_schema, load_cell
 from holonom.app.output import prepare_output
 from holonom.errors import CellError, OutputError
 from holonom.spatial import pose
@@ -44,21 +44,21 @@ def fault(folder: Path, text: str) -> str:
 
 
 @pytest.fixture
-def cell(tmp_path: Path) -> ArmCell:
+def cell(tmp_path: Path) -> Cell:
     return load_cell(write(tmp_path, TEXT))
 
 
-def test_values_are_si(cell: ArmCell) -> None:
-    assert cell.arm.home == pytest.approx([0, math.pi / 4, -math.pi, 0, -math.pi / 4, 0])
-    assert cell.gripper.length == 0.12
-    assert cell.gripper.close_time == 0.15
+def test_values_are_si(cell: Cell) -> None:
+    assert cell.robot[0].home == pytest.approx([0, math.pi / 4, -math.pi, 0, -math.pi / 4, 0])
+    assert cell.robot[0].tool.length == 0.12
+    assert cell.robot[0].tool.close_time == 0.15
     assert cell.parts is not None
     assert cell.parts.density == 8700.0
-    assert cell.limits.line_speed == 0.5
-    assert cell.limits.rotation_speed == pytest.approx(math.pi)
+    assert cell.robot[0].limits.line_speed == 0.5
+    assert cell.robot[0].limits.rotation_speed == pytest.approx(math.pi)
     assert cell.camera is not None
     assert cell.camera.points[1].table == (0.2415, 0.06)
-    assert cell.arm.base.position == (0.0, 0.0, 0.0)
+    assert cell.robot[0].pose is None
 
 
 def test_files_are_beside_the_cell_file_wherever_it_is_read_from(
@@ -67,35 +67,35 @@ def test_files_are_beside_the_cell_file_wherever_it_is_read_from(
     write(tmp_path, TEXT)
     monkeypatch.chdir(tmp_path.parent)
     cell = load_cell(Path(tmp_path.name) / "cell.toml")
-    assert cell.program.file.samefile(tmp_path / "sort_coins.arps")
+    assert cell.robot[0].program.file.samefile(tmp_path / "sort_coins.arps")
     assert cell.camera is not None
     assert cell.camera.photograph.samefile(tmp_path / "coins.png")
 
 
-def test_a_cell_does_not_change(cell: ArmCell) -> None:
+def test_a_cell_does_not_change(cell: Cell) -> None:
     with pytest.raises(ValueError, match="frozen"):
-        cell.gripper.mass = 1.0
+        cell.robot[0].tool.mass = 1.0
 
 
 @pytest.mark.parametrize("name", ["01_sort_coins", "02_straight_lines"])
 def test_examples_load(name: str) -> None:
-    assert load_cell(EXAMPLES / name / "cell.toml").arm.preset == "puma560"
+    assert load_cell(EXAMPLES / name / "cell.toml").robot[0].model.preset == "puma560"
 
 
 def test_what_the_second_example_leaves_out() -> None:
     cell = load_cell(EXAMPLES / "02_straight_lines" / "cell.toml")
     assert (cell.camera, cell.parts, cell.tray) == (None, None, None)
-    assert cell.arm.controllers == ("cascade", "computed_torque")
+    assert [law.name for law in cell.robot[0].controllers] == ["cascade", "computed_torque"]
 
 
-def test_a_pixel_is_half_a_millimetre(cell: ArmCell) -> None:
+def test_a_pixel_is_half_a_millimetre(cell: Cell) -> None:
     assert cell.camera is not None
     pixels = np.array([point.pixel for point in cell.camera.points])
     table = np.array([point.table for point in cell.camera.points])
     np.testing.assert_allclose(table, [0.2515, 0.242] - 0.5e-3 * pixels[:, ::-1], atol=1e-12)
 
 
-def test_every_place_and_the_whole_photograph_are_in_reach(cell: ArmCell) -> None:
+def test_every_place_and_the_whole_photograph_are_in_reach(cell: Cell) -> None:
     """One and the same branch reaches them all, tool down at any turn, away from the wrist's singularity."""
     assert cell.tray is not None
     points = [(x, y) for x in (0.100, 0.176, 0.2515) for y in (0.050, 0.146, 0.242)]
@@ -103,9 +103,9 @@ def test_every_place_and_the_whole_photograph_are_in_reach(cell: ArmCell) -> Non
         at = [(i + 0.5, j + 0.5) for i in range(field.columns) for j in range(field.rows)]
         points += [(field.corner[0] + i * field.pitch, field.corner[1] + j * field.pitch) for i, j in at]
     assert len(points) == 9 + 18 + 2 + 4
-    arm = load_arm(cell.arm.preset).with_tool(pose((0, 0, cell.gripper.length), np.eye(3)))
+    arm = load_arm(cell.robot[0].model.preset).with_tool(pose((0, 0, cell.robot[0].tool.length), np.eye(3)))
     targets = [
-        pose(np.add(cell.table.pose.position, (x, y, z)), np.array([[c, s, 0], [s, -c, 0], [0, 0, -1]]))
+        pose(np.add(cell.surface[0].pose.position, (x, y, z)), np.array([[c, s, 0], [s, -c, 0], [0, 0, -1]]))
         for x, y in points
         for z in (0.0, 0.05, 0.1, 0.15)
         for c, s in ((1, 0), (0, 1), (-1, 0), (0, -1))
@@ -115,7 +115,7 @@ def test_every_place_and_the_whole_photograph_are_in_reach(cell: ArmCell) -> Non
     assert reached.any(), f"{found.names}: {(found.status == 0).mean(axis=0)}"
     wrist = found.q[:, np.flatnonzero(reached)[0], 4]
     assert np.degrees(np.abs(wrist).min()) > 10
-    home = arm.fk(np.array(cell.arm.home))
+    home = arm.fk(np.array(cell.robot[0].home))
     np.testing.assert_allclose(home[:3, 2], [0, 0, -1], atol=1e-12)
 
 
@@ -225,7 +225,7 @@ def test_every_fault_is_told_once_in_the_order_of_the_file(tmp_path: Path) -> No
         (lambda path: None, "No such file"),
         (lambda path: path.mkdir(), "Is a directory"),
         (lambda path: path.write_bytes(b"[cell]\n\xff"), ":2: not UTF-8"),
-        (lambda path: path.write_bytes(b""), ":1: program: missing"),
+        (lambda path: path.write_bytes(b""), ":1: robot: missing"),
     ],
 )
 def test_what_is_no_file_of_text(make, said: str, tmp_path: Path) -> None:

@@ -13,8 +13,8 @@ from cells import EXAMPLE, CellCopy
 from holonom.app.arm.assembly import build_arm
 from holonom.app.arm.check import rehearse
 from holonom.app.arm.job import load_job
-from holonom.app.arm.taught import taught_problems
-from holonom.app.cell import load_cell
+from holonom.app.cell.taught import taught_problems
+from holonom.app.short_cell import load_cell
 from holonom.app.cli import main
 from holonom.lang import load_program
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from holonom.app.arm.assembly import build_arm, line_settings
-from holonom.app.cell import load_cell
+from holonom.app.short_cell import load_cell
 from holonom.closed_loop import ArmLoop, SimulatedArm
 from holonom.lang import Configuration, Motion, Part, Program, Status, start, step
 from holonom.machine import ArmMachine, ControlSettings, DryMachine

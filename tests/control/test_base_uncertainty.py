@@ -10,7 +10,7 @@ import pytest
 
 from holonom.app.base.assembly import build_job
 from holonom.app.base.uncertainty import uncertainty
-from holonom.app.cell import load_cell
+from holonom.app.short_cell import load_cell
 from holonom.control.base_uncertainty import UncertaintySettings, covariance_along
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.mobile.odometry import integrate, integrate_with_covariance

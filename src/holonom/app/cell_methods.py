@@ -48,7 +48,7 @@ class OneMethod:
     table: Table
 
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_plain_validator_function(self._read)
+        return core_schema.no_info_plain_validator_function(self.read)
 
     def __get_pydantic_json_schema__(
         self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
@@ -64,7 +64,8 @@ class OneMethod:
             "required": ["kind", *found["required"]],
         }
 
-    def _read(self, value: object) -> Chosen:
+    def read(self, value: object) -> Chosen:
+        """Return what a value of a cell says."""
         given = {"kind": value} if isinstance(value, str) else value
         if not isinstance(given, Mapping) or not isinstance(given.get("kind"), str):
             names = ", ".join(self.table)
@@ -72,7 +73,9 @@ class OneMethod:
                 f"{value!r} came; a {self.table.one} is expected: kind = one of {names}, and its parameters"
             )
         name = given["kind"]
-        if name not in self.table:
+        if isinstance(value, str):
+            self.table[name]  # UnknownName
+        elif name not in self.table:
             _refuse({"kind": _caught(lambda: self.table[name])}, given)
         rest = {key: entry for key, entry in given.items() if key != "kind"}
         return Chosen(self.table, name, read_params(self.table, name, rest))

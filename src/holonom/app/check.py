@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from holonom.app.answer import Answer
-from holonom.app.cell import ArmCell, load_cell
+from holonom.app.short_cell import ArmCell, load_cell
 from holonom.errors import InputError
 
 __all__ = ["check_file"]

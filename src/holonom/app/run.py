@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from holonom.app.answer import Answer
+from holonom.app.cell import load_cell
+from holonom.app.cell.build import build_job, refuse_unsimulated
 from holonom.app.interrupts import Interrupts
 from holonom.app.job import Job
 from holonom.app.output import RECORDING, RunFolder
@@ -71,7 +73,9 @@ def run_cell(
     KeyboardInterrupt
         Ctrl-C or SIGTERM; the same is kept.
     """
-    job = build_job(load_cell(path), path)
+    cell = load_cell(path)
+    refuse_unsimulated(cell, path)
+    job = build_job(cell, path)
     if job.unreachable:
         raise ProgramError("\n".join(job.unreachable))
     if seed is not None:
@@ -148,3 +152,9 @@ def expected_time(job: Job) -> float | None:
             way = float(task.velocities[-1, 0])
         ends.append(task.start + way)
     return max(ends, default=None)
+
+
+def _tell(runs: list[Done], folder: RunFolder) -> Answer:
+    """Make summary and report from the recordings; say, or raise, how it went."""
+    ended = runs[-1].ended
+    return Answer(f"{ended.ending}: {ended.reason}", {"simulated_time_s": runs[0].ended.time})

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, get_args
 
 from pydantic import BaseModel
@@ -14,7 +15,7 @@ from pydantic_core import ErrorDetails
 from holonom.app.toml_lines import KeyPath, key_lines
 from holonom.errors import InputError, UnknownName
 
-__all__ = ["line_of", "parse_toml", "worded_faults"]
+__all__ = ["line_of", "parse_toml", "worded_faults", "written_key"]
 
 _EXPECTED = {
     "int_type": "a whole number is expected",
@@ -52,7 +53,15 @@ def parse_toml(path: Path, text: str, problem: type[InputError], example: str = 
         ) from None
 
 
-def worded_faults(path: Path, text: str, model: type[BaseModel], faults: Sequence[ErrorDetails]) -> str:
+def worded_faults(
+    path: Path,
+    text: str,
+    model: type[BaseModel],
+    faults: Sequence[ErrorDetails],
+    *,
+    place: Callable[[KeyPath], KeyPath] = lambda at: at,
+    also: Mapping[KeyPath, Sequence[str]] = MappingProxyType({}),
+) -> str:
     """Word what a model found wrong in a TOML file: a line for each fault with file, line, key, and what to do.
 
     Parameters
@@ -60,10 +69,13 @@ def worded_faults(path: Path, text: str, model: type[BaseModel], faults: Sequenc
     path, text : of the file.
     model : that was validated, with a docstring for each field.
     faults : `ValidationError.errors()`.
+    place : path of a key in the file from that in the model.
+    also : keys that a table of the file may have beside those of the model.
     """
     lines = key_lines(text)
     told = [fault for fault in faults if not _follows(fault, faults)]
-    located = sorted((line_of(fault["loc"], lines), _key(fault["loc"]), _explain(model, fault)) for fault in told)
+    placed = [(place(tuple(fault["loc"])), _explain(model, fault, also)) for fault in told]
+    located = sorted((line_of(at, lines), written_key(at), explanation) for at, explanation in placed)
     return "\n".join(f"{path}:{line}: {key}: {explanation}" for line, key, explanation in located)
 
 
@@ -80,21 +92,21 @@ def line_of(loc: KeyPath, lines: Mapping[KeyPath, int]) -> int:
     return next((lines[loc[:k]] for k in range(len(loc), 0, -1) if loc[:k] in lines), 1)
 
 
-def _key(loc: KeyPath) -> str:
+def written_key(loc: KeyPath) -> str:
     """Write a path as "camera.points[2].table"."""
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in loc).removeprefix(".")
 
 
-def _explain(model: type[BaseModel], fault: ErrorDetails) -> str:
+def _explain(model: type[BaseModel], fault: ErrorDetails, also: Mapping[KeyPath, Sequence[str]]) -> str:
     """Say what came, what is expected and what to do."""
     context, came = fault.get("ctx", {}), fault["input"]
     match fault["type"]:
         case "value_error":
             return str(context["error"])
         case "extra_forbidden":
-            return str(
-                UnknownName("key", str(fault["loc"][-1]), list(_model_at(model, fault["loc"][:-1]).model_fields))
-            )
+            table = tuple(fault["loc"][:-1])
+            keys = [*_model_at(model, table).model_fields, *also.get(table, ())]
+            return str(UnknownName("key", str(fault["loc"][-1]), keys))
         case "missing":
             return f"missing; expected: {_description(model, fault['loc'])}"
         case "literal_error":

@@ -27,6 +27,8 @@ DIMENSIONS: Mapping[str, Mapping[str, float]] = {
     "acceleration": {"mm/s2": 1e-3, "cm/s2": 1e-2, "m/s2": 1.0},
     "angular speed": {"deg/s": DEGREE, "rad/s": 1.0, "rpm": 2 * math.pi / 60},
     "angular acceleration": {"deg/s2": DEGREE, "rad/s2": 1.0},
+    "jerk": {"m/s3": 1.0, "mm/s3": 1e-3},
+    "angular jerk": {"deg/s3": DEGREE, "rad/s3": 1.0},
     "voltage": {"V": 1.0, "mV": 1e-3},
     "current": {"A": 1.0, "mA": 1e-3},
     "resistance": {"ohm": 1.0, "mohm": 1e-3},

@@ -8,7 +8,7 @@ from pathlib import Path
 from holonom.app.arm.assembly import build_arm
 from holonom.app.arm.camera import Seen, look
 from holonom.app.arm.cell_model import ArmCell
-from holonom.app.arm.taught import taught_problems
+from holonom.app.cell.taught import taught_problems
 from holonom.app.toml_lines import place_of
 from holonom.errors import CellError, ModelError, ProgramFault
 from holonom.lang import Program, load_program, start

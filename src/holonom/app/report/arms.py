@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from holonom.app.report.scene import Box, Shape, Tube
 from holonom.errors import UnknownName
 
-__all__ = ["arm_shapes", "gripper_shapes"]
+__all__ = ["arm_shapes", "drawn_arms", "gripper_shapes"]
 
 _BODY, _JOINT, _METAL, _FINGER = "#eef1f5", "#33415c", "#aab4c3", "#4b5871"
 
@@ -26,6 +26,11 @@ def arm_shapes(preset: str) -> tuple[Shape, ...]:
     if preset not in _ARMS:
         raise UnknownName("arm drawing", preset, _ARMS)
     return _ARMS[preset]()
+
+
+def drawn_arms() -> tuple[str, ...]:
+    """Return the presets that `arm_shapes` knows."""
+    return tuple(_ARMS)
 
 
 def gripper_shapes(

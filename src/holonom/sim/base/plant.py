@@ -23,7 +23,7 @@ from holonom.sim.base.step_kernels import BasePlantParams, SensorParams, sense
 from holonom.trace.records import aligned_records, side_by_side
 from holonom.trace.simd import WIDTH
 
-__all__ = ["FAULTS", "TICK", "BaseFault", "BasePlant"]
+__all__ = ["FAULTS", "SIMULATED", "TICK", "BaseFault", "BasePlant", "driven_wheels"]
 
 Array = NDArray[np.float64]
 
@@ -31,7 +31,8 @@ TICK = 1e-3
 """Time (s) that one step of the plant takes; sensors are read after each."""
 FAULTS = {"dead": DEAD, "blocked": BLOCKED}
 """What may happen to a motor: an open winding (it turns freely), or a jam."""
-SUPPORTS = ("castor", "spherical")
+SIMULATED, SUPPORTS = ("fixed", "swedish"), ("castor", "spherical")
+"""Kinds of driven wheels, and of passive ones."""
 COULOMB_SMOOTHING = 2.0  # rad/s of the motor, below which Coulomb friction goes over into its opposite
 
 
@@ -99,7 +100,7 @@ class BasePlant:
             raise OutOfLimits(f"BasePlant: substeps is {substeps!r}; it must be at least 1")
         self.base, self.drive, self.rng = base, drive, rng
         self.mass = base_mass(base)
-        self.driven = _driven_wheels(base)
+        self.driven = driven_wheels(base)
         self.rows = base.velocity_coupling * [1.0, 1.0, base.radius]
         """(m, 3) rim speeds (m/s) of the driven wheels per (vx, vy, w): D with w in rad/s."""
         self.radii = np.array([wheel.radius for wheel in self.driven])
@@ -212,9 +213,16 @@ class BasePlant:
         return wheel
 
 
-def _driven_wheels(base: WheelBase) -> list[Wheel]:
+def driven_wheels(base: WheelBase) -> list[Wheel]:
+    """Return the driven wheels of a base that can be simulated.
+
+    Raises
+    ------
+    ModelError
+        A wheel that is driven and neither fixed nor Swedish, or passive and neither castor nor sphere; names it.
+    """
     for wheel in base.wheels:
-        simulated = wheel.driven and wheel.kind in ("fixed", "swedish")
+        simulated = wheel.driven and wheel.kind in SIMULATED
         if not (simulated or (wheel.kind in SUPPORTS and not wheel.driven)):
             driven = "driven" if wheel.driven else "passive"
             raise ModelError(

@@ -1,0 +1,55 @@
+"""Drives for a base that states none: motor, gear and encoder of each wheel, sized from what the base is to reach."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from holonom.devices import DcMotor, Encoder, Gear
+from holonom.errors import ModelError
+from holonom.mechanics.sized_drives import sized_motor
+from holonom.mobile.base import WheelBase
+from holonom.mobile.drive.base_drive import BaseDrive
+
+__all__ = ["sized_base_drive"]
+
+SUPPLY = 24.0
+"""V, of a battery."""
+WHEEL_DENSITY = 1500.0
+"""kg/m3 of a drawn wheel, a cylinder as wide as its radius."""
+RESERVE = 2.0
+"""Force of the wheels over what the acceleration takes: for turning at once, friction and a wheel that slips."""
+
+
+def sized_base_drive(base: WheelBase, speed: float, acceleration: float) -> BaseDrive:
+    """Return what drives each wheel of a base, so that it reaches a speed (m/s) and an acceleration (m/s2).
+
+    The fastest wheel is that of a base which moves at `speed` in any direction, or turns so fast that its rim does;
+    each motor's torque limit gives twice its share of the force.
+
+    Raises
+    ------
+    ModelError
+        A base without mass, a speed or acceleration that is not positive.
+    """
+    if base.mass is None:
+        raise ModelError(f"base {base.name!r} has no mass, so its drives cannot be sized; state mass= in kg")
+    if not (speed > 0.0 and acceleration > 0.0):
+        raise ModelError(f"speed {speed!r} m/s and acceleration {acceleration!r} m/s2 came; both must be positive")
+    radius = float(np.min(base.wheel_radii))
+    wheel_speed = speed * _gearing(base) / radius
+    torque = RESERVE * base.mass * acceleration * float(np.max(base.wheel_radii)) / len(base.driven)
+    motor = sized_motor(wheel_speed, torque, base.mass * radius**2 / len(base.driven), SUPPLY)
+    sheet = DcMotor(
+        motor.resistance, motor.inductance, motor.torque_constant, motor.torque_constant, motor.rotor_inertia,
+        motor.max_voltage, motor.max_current,
+    )  # fmt: skip
+    inertia = 0.5 * WHEEL_DENSITY * np.pi * radius**5
+    return BaseDrive(sheet, Gear(motor.gear_ratio), Encoder(motor.encoder_counts), wheel_inertia=float(inertia))
+
+
+def _gearing(base: WheelBase) -> float:
+    """Rim speed of the fastest wheel over that of the base, at least 1."""
+    if base.steered:
+        return 1.0
+    rows = base.velocity_coupling
+    return max(1.0, float(np.max(np.hypot(rows[:, 0], rows[:, 1]))), float(np.max(np.abs(rows[:, 2]))))
