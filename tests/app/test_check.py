@@ -14,8 +14,8 @@ from holonom.app.arm.assembly import build_arm
 from holonom.app.arm.check import rehearse
 from holonom.app.arm.job import load_job
 from holonom.app.cell.taught import taught_problems
-from holonom.app.short_cell import load_cell
 from holonom.app.cli import main
+from holonom.app.short_cell import load_cell
 from holonom.lang import load_program
 
 CELL = load_cell(EXAMPLE / "cell.toml")
