@@ -122,7 +122,7 @@ def _run(plan: Plan, folder: RunFolder, interrupts: Interrupts, *, quiet: bool, 
     job = plan.job
     loops = simulated(job, [arm.settings[plan.controller] for arm in job.arms])
     loops.warm_up()
-    words = {}
+    words: dict[str, dict[str, str]] = {}
     for base in job.bases:
         encoder = base.drive.encoder
         words |= base_words(base.base, encoder.counts_per_rev, base.drive.gear.ratio, robot=base.name)
