@@ -12,9 +12,9 @@ import pytest
 
 from holonom.app.base.assembly import build_job, simulate
 from holonom.app.base.outcome import Phase, dead_motors, false_alarms, path_error, slip_episodes
-from holonom.app.short_cell import load_cell
 from holonom.app.cli import main
 from holonom.app.recording import read_recording
+from holonom.app.short_cell import load_cell
 from holonom.errors import CellError
 
 SOCCER = Path(__file__).resolve().parents[2] / "examples" / "03_soccer_robot" / "cell.toml"

@@ -11,11 +11,11 @@ import pytest
 
 from holonom.app.base.assembly import build_job, simulate
 from holonom.app.base.record import record_log
-from holonom.app.short_cell import load_cell
 from holonom.app.cli import main
 from holonom.app.odometry_log import read_log
 from holonom.app.recording import Recorder
 from holonom.app.recording.robot import ROBOT, base_words
+from holonom.app.short_cell import load_cell
 from holonom.errors import LogError
 from holonom.mobile import WheelBase, mecanum, omni
 

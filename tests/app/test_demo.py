@@ -15,9 +15,9 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
 from holonom.app.arm.camera import calibrate, placement_pose
-from holonom.app.short_cell import load_cell
 from holonom.app.cli import main
 from holonom.app.recording import Recording, read_recording
+from holonom.app.short_cell import load_cell
 from holonom.model import preset
 from holonom.spatial import inverse
 from holonom.vision import to_pixel
