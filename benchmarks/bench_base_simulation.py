@@ -6,9 +6,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from holonom.app.bench import Figure, Setting, seconds
-from holonom.closed_loop import simulate_base
+from holonom.closed_loop import BaseLoop, simulate_base
 from holonom.devices import DcMotor, Encoder, Gear
-from holonom.machine import PATHS, PathLimits, plan_path
+from holonom.machine import PATHS, BaseController, PathLimits, plan_path
 from holonom.mobile import BaseDrive, omni
 from holonom.sim import CARPET, BasePlant
 
@@ -26,11 +26,20 @@ def measure(setting: Setting) -> list[Figure]:
     closed = seconds(
         lambda: simulate_base(BASE, DRIVE, path, rng=np.random.default_rng(0), substeps=SUBSTEPS), setting, rounds=7
     )
+    loop = BaseLoop(BaseController(BASE, DRIVE), BasePlant(BASE, DRIVE, rng=np.random.default_rng(0)))
     plant, volts = BasePlant(BASE, DRIVE, substeps=SUBSTEPS), _voltages(200 if setting.small else 2000)
     ours = seconds(lambda: plant.drive_open(volts), setting, rounds=7) / len(volts)
     peer = seconds(lambda: _solve(volts[:100]), setting, rounds=2) / 100
     per_second = 1e-3
+    driven = seconds(lambda: _drive(loop, 20 if setting.small else 500), setting, rounds=7)
     return [
+        Figure(
+            "omni base driven by velocities at 100 Hz",
+            0.01 * (20 if setting.small else 500) / driven,
+            "x real time",
+            goal=300.0,
+            more_is_better=True,
+        ),
         Figure(
             "omni base: motors, slip, sensors, loops, log",
             path.time[-1] / closed,
@@ -48,6 +57,14 @@ def measure(setting: Setting) -> list[Figure]:
             more_is_better=True,
         ),
     ]
+
+
+def _drive(loop: BaseLoop, ticks: int) -> None:
+    """A velocity each 10 ms, as a joystick or a planner gives them."""
+    loop.place((0.0, 0.0, 0.0))
+    for k in range(ticks):
+        loop.controller.follow_velocity((0.5, 0.3 * (k % 2), 0.2))
+        loop.advance(10)
 
 
 def _voltages(n: int) -> np.ndarray:

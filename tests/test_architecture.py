@@ -106,3 +106,19 @@ def test_constraints_are_pins_and_nothing_else() -> None:
     assert lines
     for line in lines:
         assert re.fullmatch(r"[A-Za-z0-9._-]+==[A-Za-z0-9.]+", line), line
+
+
+@pytest.mark.parametrize("path", [p for p in SOURCES if {"machine", "sim", "closed_loop"} & set(p.parts)], ids=str)
+def test_no_function_of_controller_or_plant_is_long(path: Path) -> None:
+    """60 lines at most, docstring and signature included."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.FunctionDef):
+            assert node.end_lineno is not None
+            assert node.end_lineno - node.lineno < 60, f"{path}:{node.lineno}: {node.name}"
+
+
+def test_controller_and_plant_do_not_know_each_other() -> None:
+    """The layers say so, too; here in words: neither package's text names the other."""
+    for package, other in (("machine", "sim"), ("sim", "machine")):
+        for path in (ROOT / "src" / "holonom" / package).rglob("*.py"):
+            assert f"holonom.{other}" not in path.read_text(encoding="utf-8"), path

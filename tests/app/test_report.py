@@ -290,7 +290,7 @@ def picture(page, time: float) -> int:
 @pytest.mark.browser
 def test_browser_marks_line_and_event(page):
     page.execute_script("holonom.seek(0.15)")
-    assert page.find_element("css selector", "#program .current").text == "LINE 9"
+    assert page.find_element("css selector", ".program .current").text == "LINE 9"
     assert page.find_element("css selector", ".events .current").get_attribute("data-time") == "0.100"
     assert page.find_element("id", "event").text == "coin 1: down"
 

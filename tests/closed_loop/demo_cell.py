@@ -12,7 +12,7 @@ from holonom.app.short_cell import load_cell
 from holonom.closed_loop import ArmLoop, SimulatedArm
 from holonom.lang import Configuration, Motion, Part, Program, Status, start, step
 from holonom.machine import ArmMachine, ControlSettings, DryMachine
-from holonom.sim import Disc, Gripper, Ground, Surface, World
+from holonom.sim import Disc, Fingers, Gripper, Ground, Surface, World
 from holonom.spatial import pose
 
 CELL = load_cell(Path(__file__).resolve().parents[2] / "examples" / "01_sort_coins" / "cell.toml")
@@ -51,10 +51,10 @@ def stand(loop: ArmLoop, q: np.ndarray, seconds: float) -> None:
         loop.advance(reference)
 
 
-def make_world(discs: Sequence[Disc] = ()) -> World:
+def make_hand(discs: Sequence[Disc] = ()) -> Fingers:
     table = Surface("table", pose((0.6, 0.0, 0.3)), (0.4, 0.6))
     tray = Surface("tray", pose((0.7, 0.2, 0.302)), (0.2, 0.2))
-    return World([table, tray], list(discs), Gripper(0.035, 0.008, 0.002, 0.35))
+    return Fingers(World([table, tray], discs), Gripper(0.035, 0.008, 0.002, 0.35))
 
 
 def make_disc(x: float, y: float, name: str = "coin_01", radius: float = 0.01, thickness: float = 0.0025) -> Disc:
@@ -62,11 +62,11 @@ def make_disc(x: float, y: float, name: str = "coin_01", radius: float = 0.01, t
 
 
 def make_arm(
-    world: World | None = None, parts: Sequence[Part] = (), controller: str = "computed_torque"
+    hand: Fingers | None = None, parts: Sequence[Part] = (), controller: str = "computed_torque"
 ) -> tuple[SimulatedArm, ListSink]:
     sink = ListSink()
-    loop, world = make_loop(controller), world or make_world()
-    return SimulatedArm(loop, world, sink, look=lambda: parts, ready=HOME, line=LINES), sink
+    loop, hand = make_loop(controller), hand or make_hand()
+    return SimulatedArm(loop, hand, sink, look=lambda: parts, ready=HOME, line=LINES), sink
 
 
 def make_dry(parts: Sequence[Part] = ()) -> DryMachine:

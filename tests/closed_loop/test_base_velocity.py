@@ -98,9 +98,11 @@ def test_silence_stops_it() -> None:
     run(loop, (0.5, 0.0, 0.0), 1.0)
     loop.advance(150)
     assert loop.plant.twist[0] > 0.45, "within the time-out it goes on"
+    assert loop.controller.silence == ""
     loop.advance(800)
     assert np.abs(loop.plant.twist).max() < 0.01
     assert 0.5 < loop.plant.pose[0] < 1.0
+    assert loop.controller.silence == "the level above is silent: no velocity came for 960 ms"
 
 
 def test_it_drives_the_nearest_twist_and_no_faster_than_its_wheels() -> None:

@@ -11,7 +11,7 @@ from demo_cell import (
     make_arm,
     make_disc,
     make_dry,
-    make_world,
+    make_hand,
     motion,
     run_dry,
     run_simulated,
@@ -21,7 +21,17 @@ from demo_cell import (
 from holonom.errors import DriveFault, MotionError
 from holonom.lang import Machine, Motion, Part, compile_program
 from holonom.machine import ArmMachine
-from holonom.signals import DriveState, Event, FramePoses, JointCommand, JointState, Signal
+from holonom.signals import (
+    DriveState,
+    DriveTruth,
+    EncoderCounts,
+    Event,
+    FramePoses,
+    JointCommand,
+    JointState,
+    JointTruth,
+    Signal,
+)
 
 SMALL = HOME + np.array([0.3, -0.1, 0.1, 0.0, 0.1, 0.2])
 OTHER = HOME + np.array([-0.2, 0.1, -0.1, 0.1, 0.0, 0.0])
@@ -49,8 +59,8 @@ PROGRAM = """
 
 def test_both_machines_run_the_same_program_to_the_same_joints() -> None:
     part = Part("coin", tool_down(0.55, -0.1, 0.301), (1.0, 0.55, -0.1, 0.0, 3e-4, 0.02))
-    world = make_world([make_disc(0.55, -0.1)])
-    arm, sink = make_arm(world, [part])
+    hand = make_hand([make_disc(0.55, -0.1)])
+    arm, sink = make_arm(hand, [part])
     simulated = arm.machine
     dry = make_dry([part])
     machines: list[Machine] = [simulated, dry]
@@ -66,7 +76,7 @@ def test_both_machines_run_the_same_program_to_the_same_joints() -> None:
     assert all(machine.signal(3) and not machine.signal(4) for machine in machines)
     assert all(machine.idle() and machine.hand_idle() for machine in machines)
     assert next(event.text for event in sink.of(Event) if event.source == "hand") == "grasped coin_01"
-    assert world.discs[0].pose[1, 3] == pytest.approx(0.05, abs=2e-3), "it was carried by 150 mm"
+    assert hand.world.discs[0].pose[1, 3] == pytest.approx(0.05, abs=2e-3), "it was carried by 150 mm"
 
 
 def advance(machine: ArmMachine, ticks: int = 2000) -> int:
@@ -214,28 +224,28 @@ def test_a_dry_machine_takes_a_motion_a_tick_and_counts_its_time() -> None:
 
 
 def test_every_tick_is_recorded_once() -> None:
-    arm, sink = make_arm(make_world([make_disc(0.55, -0.1)]))
+    arm, sink = make_arm(make_hand([make_disc(0.55, -0.1)]))
     machine = arm.machine
     machine.move(motion(SMALL))
     machine.set_signal(2, True)
     machine.set_signal(2, True)
     for _ in range(50):
         machine.advance()
-    for kind in (JointState, JointCommand, DriveState, FramePoses):
+    for kind in (JointState, JointCommand, JointTruth, DriveState, DriveTruth, EncoderCounts, FramePoses):
         times = [record.time for record in sink.of(kind)]
         np.testing.assert_allclose(times, 0.01 * np.arange(51), atol=1e-12)
     assert [(s.time, s.number, s.on) for s in sink.of(Signal)] == [(0.0, 2, True)]
     frames: FramePoses = sink.of(FramePoses)[-1]
-    assert frames.names[-1] == "coin_01"
+    assert frames.names[-1] == "finger_right"
     T = dict(zip(frames.names, frames.poses, strict=True))
     np.testing.assert_array_equal(T["tool"], ARM.fk(arm.loop.plant.q))
     gap = T["finger_left"][:3, 3] - T["finger_right"][:3, 3]
-    np.testing.assert_allclose(gap, arm.world.opening * T["tool"][:3, 1], atol=1e-12)
+    np.testing.assert_allclose(gap, arm.fingers.opening * T["tool"][:3, 1], atol=1e-12)
 
 
 def test_a_collision_is_recorded_where_it_happened() -> None:
-    world = make_world([make_disc(0.55, -0.1)])
-    arm, sink = make_arm(world)
+    hand = make_hand([make_disc(0.55, -0.1)])
+    arm, sink = make_arm(hand)
     machine = arm.machine
     machine.move(motion(tool_down(0.55, -0.085, 0.36)))
     advance(machine)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from holonom.errors import OutOfLimits, ShapeError, UnknownName
-from holonom.machine.base.paths import HEADINGS, PATHS, ClosedCurve, PathLimits, circle, plan_path, waypoints
+from holonom.machine import Levels
+from holonom.machine.base.paths import HEADINGS, PATHS, ClosedCurve, PathLimits, circle, plan_path, sampled, waypoints
 
 CURVES = [name for name in PATHS if PATHS[name].record is ClosedCurve]
 LIMITS = PathLimits(1.5, 2.0)
@@ -92,3 +93,16 @@ def test_an_open_path_ends_where_its_last_point_is(points: list[list[float]], he
     path = plan_path(points, PathLimits(0.8, 1.5), heading=heading)
     np.testing.assert_allclose(path.pose[-1, :2], points[-1], atol=1e-9)
     assert np.hypot(*np.diff(path.pose[:, :2], axis=0).T).max() < 1e-3
+
+
+@pytest.mark.parametrize(("period", "off"), [(0.1, 0.780e-3), (0.01, 7.8e-6)])
+def test_a_base_that_gets_points_of_a_circle(period: float, off: float) -> None:
+    """A circle of 0.1 m at 0.25 m/s, points every 100 ms or 10 ms, straight between them."""
+    path = plan_path(PATHS.make("circle", {"size": 0.2}), PathLimits(0.25, 5.0), laps=3)
+    seen = sampled(path, Levels(supervisor=period))
+    assert len(seen.time) == len(path.time)
+    fast = np.hypot(*path.twist[:, :2].T) > 0.2499
+    inside = 0.1 - np.hypot(seen.pose[fast, 0], seen.pose[fast, 1] - 0.1)
+    assert inside.max() == pytest.approx(off, rel=0.02)
+    np.testing.assert_allclose(seen.pose[-1], path.pose[-1], atol=1e-12)
+    assert np.abs(seen.twist[fast] - path.twist[fast])[:, :2].max() < 0.5 * 0.25 * 0.25 / 0.1 * period + 1e-3

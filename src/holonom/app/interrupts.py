@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import signal
 import threading
+import time
 from types import FrameType, TracebackType
 from typing import Any, Self
 
 __all__ = ["Interrupts"]
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
+PATIENCE = 0.12  # s of wall time for the robots to come to rest
 
 
 class Interrupts:
@@ -19,12 +21,16 @@ class Interrupts:
     """
 
     def __init__(self) -> None:
-        self._requested = False
+        self._requested: float | None = None
         self._before: dict[signal.Signals, Any] = {}
 
     def requested(self) -> bool:
         """Whether somebody wants it to end."""
-        return self._requested
+        return self._requested is not None
+
+    def overdue(self) -> bool:
+        """Whether that was so long ago that the recording is to be closed, whatever still moves."""
+        return self._requested is not None and time.perf_counter() - self._requested > PATIENCE
 
     def __enter__(self) -> Self:
         if threading.current_thread() is threading.main_thread():
@@ -38,6 +44,6 @@ class Interrupts:
             signal.signal(number, handler)
 
     def _take(self, number: int, frame: FrameType | None) -> None:
-        if self._requested:
+        if self._requested is not None:
             raise KeyboardInterrupt
-        self._requested = True
+        self._requested = time.perf_counter()

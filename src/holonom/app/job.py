@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from holonom.app.report import PhotoOverlay, Scene
 from holonom.lang import Part, Program
-from holonom.machine import BaseSettings, ControlSettings, LineSettings, ReferencePath
+from holonom.machine import BaseSettings, ControlSettings, Levels, LineSettings, ReferencePath
 from holonom.mechanics import Arm
 from holonom.mobile import BaseDrive, BaseSensors, WheelBase
 from holonom.sim import BaseFault, Disc, Floor, Gripper, Ground, Surface
@@ -49,8 +49,8 @@ class ArmJob:
         One for each controller under which the program runs; all but the last for comparison.
     home
         Joints (n,), rad or m.
-    program, entry
-        None: it stands.
+    program, entry, hold
+        Without a program it stands, for some time (s).
     look
         The parts that its camera sees.
     gripper, ground, line
@@ -69,6 +69,7 @@ class ArmJob:
     gripper: Gripper | None
     ground: Ground
     line: LineSettings
+    hold: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +92,8 @@ class BaseJob:
     """A mobile base and what it is to do.
 
     `drives` is "motors", "from_limits" or "ideal"; `pose` (3,) x, y, theta is where it starts; `sensors` are its
-    inertial sensors as they err, and are known to; `frames` are T (4, 4) of the frames that other robots stand on.
+    inertial sensors as they err, and are known to; `frames` are T (4, 4) of the frames that other robots stand on;
+    `levels` say how often points of its path come.
     """
 
     name: str
@@ -104,6 +106,7 @@ class BaseJob:
     task: Task
     faults: tuple[BaseFault, ...]
     frames: Mapping[str, Array]
+    levels: Levels = field(default_factory=Levels)
 
 
 @dataclass(frozen=True, slots=True)

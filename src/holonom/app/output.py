@@ -52,6 +52,8 @@ class RunFolder:
         Made if need be.
     recordings
         Names of recordings that a run leaves.
+    keep
+        Remove nothing at the start: what is written is not a run's.
 
     Raises
     ------
@@ -59,18 +61,18 @@ class RunFolder:
         In entering: the folder cannot be made or written to, or another run writes to it; which.
     """
 
-    __slots__ = ("_lock", "_recordings", "path")
+    __slots__ = ("_lock", "_old", "path")
 
-    def __init__(self, folder: str | Path, *, recordings: Sequence[str] = (RECORDING,)) -> None:
+    def __init__(self, folder: str | Path, *, recordings: Sequence[str] = (RECORDING,), keep: bool = False) -> None:
         self.path = Path(folder)
-        self._recordings = tuple(recordings)
+        self._old = () if keep else (*recordings, SUMMARY, REPORT)
         self._lock: IO[str] | None = None
 
     def __enter__(self) -> Self:
         prepare_output(self.path)
         try:
             self._lock = _locked(self.path / LOCK)
-            for name in (*self._recordings, SUMMARY, REPORT):
+            for name in self._old:
                 if (self.path / name).is_file():
                     (self.path / name).unlink()
         except OSError as error:

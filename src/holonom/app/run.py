@@ -1,17 +1,60 @@
-"""`holonom run`: a cell file becomes a recording, a summary and a report."""
+"""`holonom run`: a cell file becomes a recording, a summary and a report, whatever robots it holds."""
 
 from __future__ import annotations
 
+import dataclasses
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 from holonom.app.answer import Answer
-from holonom.app.short_cell import ArmCell, load_cell
+from holonom.app.cell import load_cell
+from holonom.app.cell.build import build_job, refuse_unsimulated
+from holonom.app.interrupts import Interrupts
+from holonom.app.job import Job
+from holonom.app.output import RECORDING, RunFolder
+from holonom.app.progress import Progress
+from holonom.app.recording import Recorder
+from holonom.app.recording.robot import base_words
+from holonom.app.report.attached import OUTCOME, ending_words
+from holonom.app.report.attachments import attachments_of
+from holonom.app.rig import Ended, Ending, Rig, simulated
+from holonom.errors import ProgramError
 
 __all__ = ["run_cell"]
 
 
-def run_cell(path: Path, output: Path, *, seed: int | None = None, quiet: bool = True) -> Answer:
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """One run of a cell: its recording, and which of the settings it is under; the first plan is the run itself."""
+
+    file: str
+    job: Job
+    controller: int = -1
+
+
+@dataclass(frozen=True, slots=True)
+class Done:
+    """A plan that was run: how it ended, and how much faster than real time, compiling apart."""
+
+    plan: Plan
+    ended: Ended
+    pace: float
+
+
+def run_cell(
+    path: Path,
+    output: Path,
+    *,
+    seed: int | None = None,
+    quiet: bool = True,
+    say: Callable[[str], None] = lambda text: None,
+) -> Answer:
     """Run a cell and write `recording.mcap`, `summary.json` and `report.html` into a folder.
+
+    The recording grows from the first tick on; summary and report are made from it. Runs for comparison, under other
+    controllers or without any handling of faults, are recorded beside it.
 
     Parameters
     ----------
@@ -19,6 +62,7 @@ def run_cell(path: Path, output: Path, *, seed: int | None = None, quiet: bool =
     output : folder to write to, made if need be.
     seed : instead of the cell's own.
     quiet : no progress bar.
+    say : takes what programs type.
 
     Raises
     ------
@@ -26,14 +70,91 @@ def run_cell(path: Path, output: Path, *, seed: int | None = None, quiet: bool =
         Before anything is written.
     RunError
         After the start; recording, summary and report up to that moment are kept.
+    KeyboardInterrupt
+        Ctrl-C or SIGTERM; the same is kept.
     """
     cell = load_cell(path)
+    refuse_unsimulated(cell, path)
+    job = build_job(cell, path)
+    if job.unreachable:
+        raise ProgramError("\n".join(job.unreachable))
     if seed is not None:
-        cell = cell.model_copy(update={"cell": cell.cell.model_copy(update={"seed": seed})})
-    if isinstance(cell, ArmCell):
-        from holonom.app.arm.run import run_arm
+        job = dataclasses.replace(job, seed=seed)
+    plans = plans_of(job)
+    with Interrupts() as interrupts, RunFolder(output, recordings=[plan.file for plan in plans]) as folder:
+        runs = []
+        for plan in plans:
+            runs.append(_run(plan, folder, interrupts, quiet=quiet, say=say))
+            if runs[-1].ended.ending not in (Ending.DONE, Ending.PAUSED):
+                break
+        return _tell(runs, folder)
 
-        return run_arm(cell, path, output, quiet=quiet)
-    from holonom.app.base.run import run_base
 
-    return run_base(cell, path, output)
+def plans_of(job: Job) -> list[Plan]:
+    """Return the run of a job, then those that it is compared with."""
+    plans = [Plan(RECORDING, job)]
+    if len(job.arms) == 1:
+        settings = job.arms[0].settings
+        plans += [Plan(f"recording_{own.controller}.mcap", job, k) for k, own in enumerate(settings[:-1])]
+    if not job.arms and any(_breaks(job)):
+        plans.append(Plan("recording_without_handling.mcap", _unhandled(job)))
+    return plans
+
+
+def _breaks(job: Job) -> list[bool]:
+    """Whether something happens to each base on its path that its controller may handle."""
+    return [
+        base.task.path is not None
+        and bool(base.faults or job.floor.patches)
+        and any(part is not None for part in (base.settings.slip, base.settings.traction, base.settings.watch))
+        for base in job.bases
+    ]
+
+
+def _unhandled(job: Job) -> Job:
+    """The same job with bases that do nothing about slip and lost motors."""
+    bases = [dataclasses.replace(base, settings=base.settings.without_motors()) for base in job.bases]
+    return dataclasses.replace(job, bases=tuple(bases))
+
+
+def _run(plan: Plan, folder: RunFolder, interrupts: Interrupts, *, quiet: bool, say: Callable[[str], None]) -> Done:
+    """Run a plan; whatever goes wrong ends the motion and leaves a recording that can be read."""
+    job = plan.job
+    loops = simulated(job, [arm.settings[plan.controller] for arm in job.arms])
+    loops.warm_up()
+    words = {}
+    for base in job.bases:
+        encoder = base.drive.encoder
+        words |= base_words(base.base, encoder.counts_per_rev, base.drive.gear.ratio, robot=base.name)
+    files = attachments_of(job, plan.controller)
+    with (
+        Recorder(folder.path / plan.file, attachments=files, metadata=words) as recorder,
+        Progress(job.name, expected_time(job), quiet=quiet) as progress,
+    ):
+        begin = time.perf_counter()
+        rig = Rig(job, loops, recorder, say=progress.saying(say))
+        ended = rig.run(stop=interrupts.requested, overdue=interrupts.overdue, progress=progress)
+        recorder.metadata(OUTCOME, ending_words(rig.ending(ended)))
+    return Done(plan, ended, ended.time / max(time.perf_counter() - begin, 1e-9))
+
+
+def expected_time(job: Job) -> float | None:
+    """Simulated time, s, at which a job of bases ends if all goes well; None where programs run."""
+    if any(arm.program is not None for arm in job.arms) or any(base.task.after is not None for base in job.bases):
+        return None
+    ends = [arm.hold for arm in job.arms]
+    for base in job.bases:
+        task = base.task
+        way = task.hold or 0.0
+        if task.path is not None:
+            way = float(task.path.time[-1])
+        elif task.velocities is not None:
+            way = float(task.velocities[-1, 0])
+        ends.append(task.start + way)
+    return max(ends, default=None)
+
+
+def _tell(runs: list[Done], folder: RunFolder) -> Answer:
+    """Make summary and report from the recordings; say, or raise, how it went."""
+    ended = runs[-1].ended
+    return Answer(f"{ended.ending}: {ended.reason}", {"simulated_time_s": runs[0].ended.time})

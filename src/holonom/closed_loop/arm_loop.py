@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 
 
 class Measured(NamedTuple):
-    """Positions (rad or m), speeds, torques by current (N m or N), currents (A), voltages (V) asked for, counts: (n,)."""
+    """Positions (rad, m), speeds, torques by current (N m, N), currents (A), voltages (V) asked for, counts: (n,)."""
 
     position: Array
     speed: Array

@@ -9,15 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.closed_loop.base_kernels import LogBuffer
-from holonom.mobile.drive.slip import SlipStatus
+from holonom.closed_loop.base_words import BaseWords
 from holonom.signals import Event
 from holonom.sim.base.log import columns, truth_of
 
 __all__ = ["BaseLog", "log_of"]
 
 Array = NDArray[np.float64]
-
-PAUSE = 200  # ms
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,13 +139,9 @@ def log_of(
     truth = truth_of(time, log.body, log.wheels, m)
     measured, reference, shunts, counts = (log.seen[:, row, :m] for row in range(4))
     status = said["status"].astype(np.int64)
-    flagged = said["flagged"].astype(np.int64)
     named, dead, jammed = (_members(said[name].astype(np.int64), m) for name in ("flagged", "dead", "jams"))
-    events = [
-        *told,
-        *_slip_events(time, status, flagged, named, names),
-        *_lost_events(time, dead, jammed, said["ref_rate"], names),
-    ]
+    goal = float(said["ref_rate"][-1]) if len(said) else 1.0
+    events = [*told, *BaseWords(names, np.inf).events(0, said, truth.slip, goal)]
     return BaseLog(
         time=time,
         wheels=tuple(names),
@@ -191,47 +185,3 @@ def _members(sets: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
         return np.zeros((len(sets), count), np.bool_)
     members: NDArray[np.bool_] = (sets[:, None] >> np.arange(count)) & 1 == 1
     return members
-
-
-def _slip_events(
-    time: Array, status: NDArray[np.int64], flagged: NDArray[np.int64], named: NDArray[np.bool_], names: Sequence[str]
-) -> list[Event]:
-    """An event wherever the detector says something new; silence of less than `PAUSE` ends nothing."""
-    slips = (status == SlipStatus.SLIP) | (status == SlipStatus.AMBIGUOUS)
-    changed = np.flatnonzero((np.diff(status, prepend=0) != 0) | (np.diff(flagged, prepend=0) != 0))
-    events: list[Event] = []
-    said = ""
-    for k in changed:
-        if slips[k]:
-            text = _slip_text([n for n, s in zip(names, named[k], strict=True) if s])
-            if text != said:
-                events.append(Event(float(time[k]), "warning", "slip detection", text))
-            said = text
-        elif said and not slips[k : k + PAUSE].any():
-            events.append(Event(float(time[k]), "info", "slip detection", "no wheel slips any more"))
-            said = ""
-    return events
-
-
-def _slip_text(named: list[str]) -> str:
-    if not named:
-        return "a wheel slips; which one is ambiguous"
-    return f"{' and '.join(named)} {'slips' if len(named) == 1 else 'slip'}"
-
-
-def _lost_events(
-    time: Array, dead: NDArray[np.bool_], jammed: NDArray[np.bool_], rate: Array, names: Sequence[str]
-) -> list[Event]:
-    """When each motor was found lost, and how the base goes on."""
-    events = []
-    for name, lost, held in zip(names, dead.T, jammed.T, strict=True):
-        if len(lost) and lost[-1]:
-            text = f"the motor of {name} does not do as told; {_go_on(bool(held[-1]), float(rate[-1]))}"
-            events.append(Event(float(time[int(lost.argmax())]), "error", "motor watch", text))
-    return events
-
-
-def _go_on(jammed: bool, rate: float) -> str:
-    if jammed:
-        return "it is jammed, the base stops"
-    return "driving on without it" + (f", at {100.0 * rate:.0f} % of the speed" if 0.0 < rate < 0.999 else "")

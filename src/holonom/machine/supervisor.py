@@ -70,10 +70,12 @@ class Supervisor:
         """What failed first; None where the operator stopped it."""
         self._categories: dict[str, StopCategory] = {}
 
-    def fail(self, robot: Stoppable | None, fault: RunError) -> None:
-        """Take a fault of a robot (None: of the cell) and begin to stop."""
+    def fail(self, robot: Stoppable | None, fault: RunError, category: StopCategory | None = None) -> None:
+        """Take a fault of a robot (None: of the cell) and begin to stop; `category` if not the fault's own."""
         self.fault = self.fault or fault
-        own = next((c for kind, c in CATEGORIES.items() if isinstance(fault, kind)), StopCategory.ON_PATH)
+        own = category
+        if own is None:
+            own = next((c for kind, c in CATEGORIES.items() if isinstance(fault, kind)), StopCategory.ON_PATH)
         for other in self.robots:
             self._begin(other, own if other is robot else StopCategory.ON_PATH)
         self.state = Supervision.STOPPING

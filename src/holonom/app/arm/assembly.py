@@ -50,7 +50,7 @@ def line_settings(cell: ArmCell) -> LineSettings:
     )
 
 
-def build_world(cell: ArmCell, seen: Seen | None) -> World:
+def build_world(cell: ArmCell, seen: Seen | None) -> tuple[World, Gripper]:
     """Table, tray, gripper and the parts where they truly lie."""
     T_table = placement_pose(cell.table.pose)
     surfaces = [_surface("table", T_table, (0.0, 0.0), cell.table.size, 0.0)]
@@ -58,7 +58,7 @@ def build_world(cell: ArmCell, seen: Seen | None) -> World:
         surfaces.append(_surface("tray", T_table, cell.tray.corner, cell.tray.size, cell.tray.floor))
     width, thickness, _ = cell.gripper.finger
     speed = cell.gripper.opening / max(cell.gripper.close_time, cell.gripper.open_time)
-    return World(surfaces, _discs(cell, seen, T_table), Gripper(cell.gripper.opening, width, thickness, speed))
+    return World(surfaces, _discs(cell, seen, T_table)), Gripper(cell.gripper.opening, width, thickness, speed)
 
 
 def _surface(name: str, T_table: Array, corner: tuple[float, float], size: tuple[float, float], z: float) -> Surface:

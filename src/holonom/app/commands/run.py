@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,7 +30,11 @@ def run(options: Options) -> Answer:
     from holonom.app.run import run_cell
 
     folder = options.output or Path("runs") / options.cell.resolve().parent.name
-    return run_cell(options.cell, folder, seed=options.seed, quiet=options.quiet)
+    stream = sys.stderr if options.quiet else sys.stdout  # with --json, which is quiet, stdout holds JSON only
+    return run_cell(
+        options.cell, folder, seed=options.seed, quiet=options.quiet,
+        say=lambda text: print(text, file=stream, flush=True),
+    )  # fmt: skip
 
 
 COMMAND = Method("run a cell: simulate, record, report", run, OWN, Options)

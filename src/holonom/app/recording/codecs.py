@@ -71,7 +71,8 @@ def groups_of(given: Messages, kind_of: Callable[[bytes], Any], layout_of: Calla
             kind = kind_of(given.message(int(at[0])))
             layout = layout_of(kind)
             same = layout.matches(rows)
-            assert same[0], "the first message has the layout that was read from it"
+            if not same[0]:
+                raise ValueError("it is not laid out as its type is")
             groups.append(Group(kind, times[at[same]], layout.unpack(rows[same])))
             at, rows = at[~same], rows[~same]
     return groups
@@ -92,9 +93,9 @@ def _joints(topic: Topic, scope: Scope) -> Encode:
 
 def _joint_track(topic: Topic, given: Messages) -> Track:
     kind, time, values = groups_of(given, joint_message, joint_layout)[0]
-    n = len(kind.names)
-    fields = {field: values[:, n * i : n * i + n] for i, field in enumerate(topic.fields)}
-    return Track(time, fields, kind.names)
+    ends = np.cumsum((0, *kind.filled()))
+    parts = {field: values[:, ends[i] : ends[i + 1]] for i, field in enumerate(("position", "velocity", "effort"))}
+    return Track(time, {field: parts[field] for field in topic.fields if parts[field].shape[1]}, kind.names)
 
 
 def _axes(topic: Topic, scope: Scope) -> Encode:

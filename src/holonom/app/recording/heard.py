@@ -39,6 +39,16 @@ class Messages:
         """Time of the last one, s."""
         return self._times[-1] / 1e9
 
+    @property
+    def size(self) -> int:
+        """Bytes of all of them."""
+        return len(self._data)
+
+    def clear(self) -> None:
+        """Forget them."""
+        self._data = bytearray()
+        self._sizes, self._times = array("q"), array("q")
+
     def seconds(self) -> NDArray[np.float64]:
         """Times (N,), s."""
         return np.array(self._times, dtype=np.int64) / 1e9

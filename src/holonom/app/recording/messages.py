@@ -48,20 +48,28 @@ LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40}
 
 
 class JointMessage(NamedTuple):
-    """What fixes the layout of a JointState: names, and how many of the three arrays are filled."""
+    """What fixes the layout of a JointState: names, how many of the three arrays are filled, and the header's frame.
+
+    Other tools leave out an array in between: `sizes` then says how many numbers each of the three holds.
+    """
 
     names: tuple[str, ...]
     arrays: int
+    frame: str = ""
+    sizes: tuple[int, ...] = ()
+
+    def filled(self) -> tuple[int, ...]:
+        """How many numbers each of the three arrays holds."""
+        n = len(self.names)
+        return self.sizes or tuple(n if array < self.arrays else 0 for array in range(3))
 
 
 def joint_layout(kind: JointMessage) -> Layout:
-    """sensor_msgs/JointState; open: position, velocity, effort, the first `arrays` of them."""
-    n = len(kind.names)
-    out = CdrWriter().stamp().text("").uint32(n)
+    """sensor_msgs/JointState; open: position, velocity, effort, those of them that are filled."""
+    out = CdrWriter().stamp().text(kind.frame).uint32(len(kind.names))
     for name in kind.names:
         out.text(name)
-    for array in range(3):
-        count = n if array < kind.arrays else 0
+    for count in kind.filled():
         out.uint32(count).doubles(count)
     return out.layout()
 
@@ -70,14 +78,14 @@ def joint_message(message: bytes) -> JointMessage:
     """Names and filled arrays of a sensor_msgs/JointState."""
     data = CdrReader(message)
     data.stamp()
-    data.text()
+    frame = data.text()
     names = tuple(data.text() for _ in range(data.uint32()))
-    arrays = 0
+    sizes = []
     for _ in range(3):
-        count = data.uint32()
-        data.skip_doubles(count)
-        arrays += count > 0
-    return JointMessage(names, arrays)
+        sizes.append(data.uint32())
+        data.skip_doubles(sizes[-1])
+    usual = JointMessage(names, sum(size > 0 for size in sizes), frame)
+    return usual if list(usual.filled()) == sizes else usual._replace(sizes=tuple(sizes))
 
 
 def array_layout(count: int) -> Layout:

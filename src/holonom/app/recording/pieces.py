@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
@@ -20,13 +20,16 @@ from zstandard import ZstdError
 from holonom.app.recording.heard import Messages
 from holonom.errors import InputError
 
-__all__ = ["Pieces", "Said", "read_pieces"]
+__all__ = ["Pieces", "Said", "Taker", "read_pieces"]
 
 MAGIC = b"\x89MCAP0\r\n"
 HEAD = struct.Struct("<BQ")
 """What every record begins with: what it is, and its length behind that."""
 MESSAGE = struct.Struct("<HIQQ")
 """What a message begins with: channel, sequence, when it was logged and published."""
+BLOCK = 8_000_000
+"""Bytes of one topic that are held before they are made into arrays: an hour of messages is ten times its arrays."""
+CDR = "cdr"
 DAMAGED = (McapError, ZstdError, struct.error, ValueError, KeyError, IndexError)
 """What broken records raise in reading."""
 
@@ -41,36 +44,44 @@ class Said(NamedTuple):
 
 @dataclass(slots=True)
 class Pieces:
-    """What is in a file; `whole` unless it ends in the middle."""
+    """What is in a file: messages that were not taken yet, how many were, up to when; `whole` unless it is cut off."""
 
     topics: dict[Said, Messages] = field(default_factory=dict)
+    count: int = 0
+    last: float = 0.0
     attachments: dict[str, bytes] = field(default_factory=dict)
     metadata: dict[str, dict[str, str]] = field(default_factory=dict)
     whole: bool = True
 
     def story(self) -> str:
         """How much there is, in words."""
-        count = sum(map(len, self.topics.values()))
+        count = self.count + sum(map(len, self.topics.values()))
         last = max((messages.last() for messages in self.topics.values() if len(messages)), default=0.0)
-        return f"{count} messages, to {last:g} s,"
+        return f"{count} messages, to {max(last, self.last):g} s,"
 
 
-def read_pieces(path: Path) -> Pieces:
-    """Read a file to its end, or to where it was cut off.
+Taker = Callable[[Said, Messages], None]
+"""What takes the messages of a topic, some at a time, in their order."""
+
+
+def read_pieces(path: Path, take: Taker) -> Pieces:
+    """Read a file to its end, or to where it was cut off; hand its messages over in blocks, so that few are held.
 
     Raises
     ------
     InputError
         It is missing, no MCAP file, or damaged before its end.
     """
-    pieces, channels = Pieces(), dict[int, Messages]()
+    pieces, channels = Pieces(), dict[int, Said]()
     try:
         with path.open("rb") as stream:
             if stream.read(len(MAGIC)) != MAGIC:
                 raise InputError(f"{path} is no MCAP recording; give a recording.mcap of a run")
             end, pieces.whole = _whole_part(stream)
             for record in _records(stream, end):
-                _take(record, pieces, channels)
+                _take(record, pieces, channels, take)
+            for said in pieces.topics:
+                _hand_over(said, pieces, take)
     except OSError as error:
         raise InputError(f"cannot read the recording {path}: {error.strerror}; give a recording.mcap") from error
     except InputError:
@@ -131,13 +142,29 @@ def _broken_up(chunk: Chunk) -> Iterator[McapRecord]:
         at += size
 
 
-def _take(record: McapRecord, pieces: Pieces, channels: dict[int, Messages]) -> None:
+def _take(record: McapRecord, pieces: Pieces, channels: dict[int, Said], take: Taker) -> None:
     if isinstance(record, Message):
-        channels[record.channel_id].add(record.log_time, record.data)
+        said = channels.get(record.channel_id)
+        if said is not None:
+            messages = pieces.topics[said]
+            messages.add(record.log_time, record.data)
+            if messages.size > BLOCK:
+                _hand_over(said, pieces, take)
     elif isinstance(record, Channel):
-        said = Said(record.topic, record.metadata.get("kind", ""), record.metadata.get("robot", ""))
-        channels[record.id] = pieces.topics.setdefault(said, Messages())
+        if record.message_encoding == CDR:
+            said = Said(record.topic, record.metadata.get("kind", ""), record.metadata.get("robot", ""))
+            channels[record.id] = said
+            pieces.topics.setdefault(said, Messages())
     elif isinstance(record, Attachment):
         pieces.attachments[record.name] = record.data
     elif isinstance(record, Metadata):
         pieces.metadata[record.name] = dict(record.metadata)
+
+
+def _hand_over(said: Said, pieces: Pieces, take: Taker) -> None:
+    messages = pieces.topics[said]
+    if len(messages):
+        take(said, messages)
+        pieces.count += len(messages)
+        pieces.last = max(pieces.last, messages.last())
+        messages.clear()

@@ -2,27 +2,21 @@
 
 from __future__ import annotations
 
-import struct
-from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
-from holonom.app.recording.codecs import CODECS, transform_groups
+from holonom.app.recording.decoded import Decoded, Frames
 from holonom.app.recording.heard import Messages
-from holonom.app.recording.messages import WORLD, log_event
+from holonom.app.recording.messages import WORLD
 from holonom.app.recording.pieces import Pieces, Said, read_pieces
 from holonom.app.recording.recording import COMPLETE, CUT_OFF, Recording
 from holonom.app.recording.scope import bare
-from holonom.app.recording.tracks import FrameTrack, Track
-from holonom.errors import InputError, UnknownName
-from holonom.signals import TOPICS, Event, Signal, Topic
+from holonom.app.recording.tracks import Track
+from holonom.errors import UnknownName
+from holonom.signals import TOPICS, Signal, Topic
 
-__all__ = ["FORMER", "read_recording"]
-
-Array = NDArray[np.float64]
+__all__ = ["FORMER", "read_recording", "read_robots"]
 
 FORMER = {
     "/joint_reference": "/commanded/joint_states",
@@ -37,8 +31,7 @@ FORMER = {
 }
 """What topics were called before a recording said of each what it is."""
 
-Heard = dict[str, tuple[Topic, Messages]]
-Frames = dict[tuple[str, str], FrameTrack]
+Heard = dict[Said, Decoded]
 
 
 def read_recording(path: str | Path, *, robot: str | None = None, topics: Sequence[Topic] = TOPICS) -> Recording:
@@ -66,33 +59,54 @@ def read_recording(path: str | Path, *, robot: str | None = None, topics: Sequen
     UnknownName
         No such robot.
     """
-    path = Path(path)
-    pieces = read_pieces(path)
-    robots = tuple(dict.fromkeys(said.robot for said in pieces.topics if not _is_shared(said, topics)))
+    pieces, heard = _read(Path(path), topics)
+    robots = _robots(pieces, topics)
     if robot is not None and robot not in (robots or ("",)):
         raise UnknownName("robot in the recording", robot, robots)
-    chosen = robot if robot is not None else next(iter(robots), "")
-    heard = _heard(pieces, chosen, topics)
-    try:
-        return _recording(pieces, heard, chosen, robots)
-    except (struct.error, ValueError, IndexError, StopIteration) as error:
-        raise InputError(f"{path} holds a message that is damaged ({error}); record it again") from error
+    return _recordings(pieces, heard, (robot if robot is not None else next(iter(robots), ""),), robots)[0]
 
 
-def _is_shared(said: Said, topics: Sequence[Topic]) -> bool:
-    return any(topic.shared and topic.name == said.topic for topic in topics)
+def read_robots(path: str | Path, *, topics: Sequence[Topic] = TOPICS) -> dict[str, Recording]:
+    """Read a file once for all of its robots.
+
+    Returns
+    -------
+    dict
+        Under "" what belongs to no robot, with frames and sources of events by their full names; under each robot's
+        name what `read_recording` gives of it. Of a robot that is alone: "" only, with all there is.
+
+    Raises
+    ------
+    InputError
+        As `read_recording`.
+    """
+    pieces, heard = _read(Path(path), topics)
+    robots = _robots(pieces, topics)
+    names = tuple(dict.fromkeys(("", *robots)))
+    return dict(zip(names, _recordings(pieces, heard, names, robots), strict=True))
 
 
-def _heard(pieces: Pieces, robot: str, topics: Sequence[Topic]) -> Heard:
-    """Messages of a robot by the topic's name in the table, with its row."""
+def _read(path: Path, topics: Sequence[Topic]) -> tuple[Pieces, Heard]:
     heard: Heard = {}
-    for said, messages in pieces.topics.items():
-        name = said.topic if said.kind else FORMER.get(said.topic, said.topic)
-        name = name.removeprefix(f"/{robot}") if robot and said.robot == robot else name
-        row = _row(name, topics)
-        if row is not None and (row.shared or said.robot == robot) and len(messages):
-            heard[name] = row, messages
-    return heard
+
+    def take(said: Said, messages: Messages) -> None:
+        if said not in heard:
+            row = _row(_name(said), topics)
+            heard[said] = Decoded(path, _name(said), row)
+        heard[said].add(messages)
+
+    return read_pieces(path, take), heard
+
+
+def _robots(pieces: Pieces, topics: Sequence[Topic]) -> tuple[str, ...]:
+    shared = {topic.name for topic in (*TOPICS, *topics) if topic.shared}
+    return tuple(dict.fromkeys(said.robot for said in pieces.topics if said.topic not in shared))
+
+
+def _name(said: Said) -> str:
+    """Name of a topic in the table."""
+    name = said.topic if said.kind else FORMER.get(said.topic, said.topic)
+    return name.removeprefix(f"/{said.robot}") if said.robot else name
 
 
 def _row(name: str, topics: Sequence[Topic]) -> Topic | None:
@@ -103,42 +117,37 @@ def _row(name: str, topics: Sequence[Topic]) -> Topic | None:
     return None
 
 
-def _recording(pieces: Pieces, heard: Heard, robot: str, robots: tuple[str, ...]) -> Recording:
-    tracks = {name: CODECS[row.type].decode(row, messages) for name, (row, messages) in heard.items()}
-    joints = (track.names for track in tracks.values() if track.names)
-    frames = {name: track for (parent, name), track in _frames(heard, "/truth/tf", robot).items() if parent == WORLD}
-    return Recording(
-        tracks=tracks,
-        frames=frames,
-        tree=_frames(heard, "/tf", robot),
-        signals=_signals(tracks),
-        events=_events(heard, robot),
-        joint_names=tuple(bare(name, robot, ".") for name in next(joints, ())),
-        robot=robot,
-        robots=robots,
-        attachments=pieces.attachments,
-        metadata=pieces.metadata,
-        ended=COMPLETE if pieces.whole else CUT_OFF,
-    )
+def _recordings(pieces: Pieces, heard: Heard, names: Sequence[str], robots: tuple[str, ...]) -> list[Recording]:
+    """One for each name; what they share is made once."""
+    shared = {decoded.name: decoded for decoded in heard.values() if decoded.row is not None and decoded.row.shared}
+    frames = {name: track for (parent, name), track in _frames(shared, "/truth/tf").items() if parent == WORLD}
+    tree, events = _frames(shared, "/tf"), shared["/rosout"].events if "/rosout" in shared else ()
+    common = {name: decoded.track() for name, decoded in shared.items()}
+    found = []
+    for robot in names:
+        own = {said: decoded for said, decoded in heard.items() if decoded.row is not None and not decoded.row.shared}
+        tracks = {decoded.name: decoded.track() for said, decoded in own.items() if said.robot == robot}
+        joints = next((track.names for track in tracks.values() if track.names), ())
+        found.append(
+            Recording(
+                tracks={**tracks, **common},
+                frames={bare(name, robot, "/"): track for name, track in frames.items()},
+                tree={(bare(a, robot, "/"), bare(b, robot, "/")): track for (a, b), track in tree.items()},
+                signals=_signals(tracks),
+                events=tuple(replace(event, source=bare(event.source, robot, ".")) for event in events),
+                joint_names=tuple(bare(name, robot, ".") for name in joints),
+                robot=robot,
+                robots=robots,
+                attachments=pieces.attachments,
+                metadata=pieces.metadata,
+                ended=COMPLETE if pieces.whole else CUT_OFF,
+            )
+        )
+    return found
 
 
-def _frames(heard: Heard, topic: str, robot: str) -> Frames:
-    """Frames by (parent, name)."""
-    if topic not in heard:
-        return {}
-    parts: dict[tuple[str, str], list[tuple[Array, Array]]] = defaultdict(list)
-    for frames, time, values in transform_groups(heard[topic][1]):
-        for i, (parent, name) in enumerate(frames):
-            key = bare(parent, robot, "/"), bare(name, robot, "/")
-            parts[key].append((time, values[:, 7 * i : 7 * i + 7]))
-    return {key: _frame_track(pieces) for key, pieces in parts.items()}
-
-
-def _frame_track(pieces: Sequence[tuple[Array, Array]]) -> FrameTrack:
-    time = np.concatenate([piece[0] for piece in pieces])
-    values = np.concatenate([piece[1] for piece in pieces])
-    order = np.argsort(time, kind="stable")
-    return FrameTrack(time[order], values[order, :3], values[order, 3:])
+def _frames(shared: Mapping[str, Decoded], topic: str) -> Frames:
+    return shared[topic].frames() if topic in shared else {}
 
 
 def _signals(tracks: Mapping[str, Track]) -> tuple[Signal, ...]:
@@ -149,10 +158,3 @@ def _signals(tracks: Mapping[str, Track]) -> tuple[Signal, ...]:
         for time, on in zip(track.time, track.fields["on"], strict=True)
     ]
     return tuple(sorted(found, key=lambda signal: signal.time))
-
-
-def _events(heard: Heard, robot: str) -> tuple[Event, ...]:
-    if "/rosout" not in heard:
-        return ()
-    events = map(log_event, heard["/rosout"][1])
-    return tuple(Event(e.time, e.level, bare(e.source, robot, "."), e.text, e.line) for e in events)

@@ -1,7 +1,10 @@
 """The report of a run: one HTML file that opens from disk, with no network.
 
 Writing
-    `write_report`: recording, scene and the sections below to one file.
+    `reporting.report_recording`: of any recording, by that alone; `reporting.report_html` of a `source.Source`,
+    `summary.summary_of` it in numbers. `write_report`: recording, scene and parts that are handed in.
+What a run records for it
+    `attachments.attachments_of` its job, at the beginning; `attached.ending_words` of an `Ending`, at the end.
 What the replay shows
     `Scene` of shapes fixed in recorded frames: `Tube`, `Box`, `Disc`, `Label`; `View` for its cameras.
     `arm_shapes` gives those of a preset arm, `gripper_shapes` those of a two-finger gripper.
@@ -10,8 +13,10 @@ Sections
     (peaks against limits), `PhotoOverlay` of `Detection` (what the camera found), `Comparison` of `ComparedRun` in
     `Phase` (two controllers on one path).
 Inside
-    `embed` (numbers for the page, packed), `sections`, `comparison`, `polar`, `topview` (their HTML), `page` (the
-    whole), `assets` (script, style and the bundled libraries; `tools/bundle_report_assets.sh` rebuilds those).
+    `facts` (what a recording says of its cell), `source` (a recording, read), `section_table` and `section` (a file for
+    each), `base_findings`, `tracking`, `peaks` (what came of it), `embed` (numbers for the page, packed),
+    `parts`, `sections`, `comparison`, `polar`, `topview` (their HTML), `page` (the whole), `assets` (script, style, bundled
+    libraries; `tools/bundle_report_assets.sh` rebuilds those).
 """
 
 from holonom.app.report.arms import arm_shapes, gripper_shapes

@@ -42,6 +42,8 @@ class Comparison:
     """Runs with the same phases in the same order; each is set against the last one."""
 
     runs: tuple[ComparedRun, ...]
+    name: str = "comparison"
+    title: str = "Tracking error compared"
 
 
 def phase_errors(run: ComparedRun, phase: Phase) -> tuple[float, float]:
@@ -51,13 +53,11 @@ def phase_errors(run: ComparedRun, phase: Phase) -> tuple[float, float]:
     return float(np.sqrt(np.mean(distance**2))), float(distance.max())
 
 
-def comparison_html(comparison: Comparison | None) -> str:
+def comparison_html(comparison: Comparison) -> str:
     """A table of errors with ratios, and drawings of the path with the deviation magnified."""
-    if comparison is None:
-        return ""
     drawings = "".join(_phase_drawings(comparison, i) for i in range(len(comparison.runs[0].phases)))
     return (
-        '<section id="comparison" class="card"><h2>Tracking error compared</h2>'
+        f'<section id="{escape(comparison.name)}" class="card comparison"><h2>{escape(comparison.title)}</h2>'
         f"{_table(comparison)}<div class='drawings'>{drawings}</div>"
         '<p class="note">Distance between the desired and the actual tool point at the same instant.</p></section>'
     )

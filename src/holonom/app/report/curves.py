@@ -14,6 +14,7 @@ from holonom.app.recording import Recording
 __all__ = ["Curve", "curves_html", "joint_curves"]
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,27 +29,63 @@ class Curve:
     names: tuple[str, ...]
 
 
-def joint_curves(recording: Recording) -> tuple[Curve, ...]:
-    """Joint positions, their errors, motor currents and voltages; without those that were not recorded."""
-    joints, reference, drives = recording.joints, recording.reference, recording.drives
-    names = recording.joint_names
-    curves = [Curve("position", "Joint position", "°", joints.time, np.degrees(joints.position), names)]
-    if len(reference.time):
-        wanted = [np.interp(joints.time, reference.time, column) for column in reference.position.T]
-        error = 1e3 * (np.stack(wanted, axis=1) - joints.position)
-        curves.append(Curve("error", "Tracking error, reference − measured", "mrad", joints.time, error, names))
-    curves.append(Curve("current", "Motor current", "A", drives.time, drives.current, names))
-    curves.append(Curve("voltage", "Motor voltage", "V", drives.time, drives.voltage, names))
-    return tuple(curve for curve in curves if len(curve.time))
+def joint_curves(recording: Recording, kinds: Sequence[str] = (), key: str = "") -> tuple[Curve, ...]:
+    """Curves of the joints: positions, errors, motor currents and voltages; without those that were not recorded.
+
+    Speeds and efforts stand in where nothing is known of the motors.
+
+    Parameters
+    ----------
+    recording
+        Of one robot.
+    kinds
+        "revolute" or "prismatic" for each joint; all revolute unless given.
+    key
+        Goes before the curves' keys.
+    """
+    joints, drives, names = recording.joints, recording.drives, recording.joint_names
+    slides = np.array([kind == "prismatic" for kind in kinds] or [False] * len(names), dtype=bool)
+    curves = _by_kind(f"{key}position", "Joint position", ("°", "mm"), joints.time, joints.position, names, slides)
+    title = "Tracking error, reference − measured"
+    curves += _by_kind(f"{key}error", title, ("mrad", "mm"), joints.time, _error(recording), names, slides)
+    if not len(drives.time):
+        curves.append(Curve(f"{key}velocity", "Joint speed", "rad/s or m/s", joints.time, joints.velocity, names))
+        curves.append(Curve(f"{key}effort", "Joint effort", "N m or N", joints.time, joints.effort, names))
+    curves.append(Curve(f"{key}current", "Motor current", "A", drives.time, drives.current, names))
+    curves.append(Curve(f"{key}voltage", "Motor voltage", "V", drives.time, drives.voltage, names))
+    return tuple(curve for curve in curves if len(curve.time) and curve.values.shape[1])
 
 
-def curves_html(curves: Sequence[Curve]) -> str:
+def _by_kind(
+    key: str, title: str, units: tuple[str, str], time: Array, values: Array, names: Sequence[str], slides: Mask
+) -> list[Curve]:
+    """One curve for joints that turn, one for those that slide."""
+    factors = {"°": 180.0 / np.pi, "mrad": 1e3, "mm": 1e3}
+    found = []
+    for unit, which in zip(units, (~slides, slides), strict=True):
+        if values.size and which.any():
+            named = tuple(name for name, wanted in zip(names, which, strict=True) if wanted)
+            own = key if unit == units[0] else f"{key}_slide"
+            found.append(Curve(own, title, unit, time, factors[unit] * values[:, which], named))
+    return found
+
+
+def _error(recording: Recording) -> Array:
+    """Reference less measured position (N, n), at the joints' times; nothing where there is no reference."""
+    joints, reference = recording.joints, recording.reference
+    if not len(reference.time):
+        return np.empty((0, 0))
+    wanted = [np.interp(joints.time, reference.time, column) for column in reference.position.T]
+    return np.stack(wanted, axis=1) - joints.position
+
+
+def curves_html(curves: Sequence[Curve], name: str, title: str) -> str:
     """Places for the plots, which the script fills."""
     if not curves:
         return ""
     places = "".join(f'<div class="plot" data-curve="{escape(curve.key)}"></div>' for curve in curves)
     note = "Click to move the replay there; drag to zoom, double click to zoom out; click a name to hide its curve."
     return (
-        f'<section id="curves" class="card"><h2>Curves</h2><p class="note">{note}</p><div class="plots">{places}</div>'
-        "</section>"
+        f'<section id="{escape(name)}" class="card curves"><h2>{escape(title)}</h2><p class="note">{note}</p>'
+        f'<div class="plots">{places}</div></section>'
     )

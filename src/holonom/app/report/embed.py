@@ -5,24 +5,26 @@ from __future__ import annotations
 import base64
 import gzip
 from collections.abc import Sequence
-from dataclasses import asdict
 
 import numpy as np
 from numpy.typing import NDArray
 
 from holonom.app.recording import FrameTrack, Recording
 from holonom.app.report.curves import Curve
-from holonom.app.report.scene import Scene, Shape
+from holonom.app.report.scene import Scene
 from holonom.errors import UnknownName
 
-__all__ = ["Blob", "add_curves", "add_frames", "scene_json"]
+__all__ = ["Blob", "add_curves", "add_frames", "replay_rate"]
 
 Array = NDArray[np.float64]
 
 REPLAY_RATE = 50.0
 """Poses per second in the page; the browser interpolates between them."""
-CURVE_SAMPLES = 12_000
-"""Longer curves are thinned to at most so many samples."""
+REPLAY_POSES = 400_000
+"""Poses of all frames together; the replay of a long run has fewer per second."""
+SLOWEST_RATE = 1.0
+CURVE_SAMPLES = 8_000
+"""Longer curves are thinned to so many samples: the least and the largest of each stretch."""
 
 
 class Blob:
@@ -49,7 +51,14 @@ class Blob:
         return base64.b64encode(gzip.compress(b"".join(self._parts), compresslevel=9, mtime=0)).decode()
 
 
-def add_frames(blob: Blob, recording: Recording, scene: Scene) -> int:
+def replay_rate(recording: Recording, scene: Scene) -> float:
+    """Poses per second in the page: `REPLAY_RATE`, less for a long run with many frames."""
+    moving = sum(name in recording.frames for name in scene.frames())
+    poses = recording.end() * max(moving, 1) * REPLAY_RATE
+    return REPLAY_RATE if poses <= REPLAY_POSES else max(REPLAY_RATE * REPLAY_POSES / poses, SLOWEST_RATE)
+
+
+def add_frames(blob: Blob, recording: Recording, scene: Scene, rate: float) -> int:
     """Add the poses (x y z, quaternion x y z w) of every frame of the scene; one row for one at rest.
 
     Returns
@@ -67,7 +76,7 @@ def add_frames(blob: Blob, recording: Recording, scene: Scene) -> int:
     for name in scene.frames():
         if name not in recording.frames:
             raise UnknownName("frame in the recording", name, recording.frames)
-        blob.add(f"frame:{name}", _resampled(recording.frames[name], recording.end()))
+        blob.add(f"frame:{name}", _resampled(recording.frames[name], recording.end(), rate))
     return 0
 
 
@@ -76,41 +85,37 @@ def add_curves(blob: Blob, curves: Sequence[Curve]) -> list[dict[str, object]]:
     times: dict[bytes, str] = {}
     told: list[dict[str, object]] = []
     for curve in curves:
-        keep = slice(None, None, _stride(len(curve.time)))
-        name = times.setdefault(curve.time[keep].tobytes(), f"time:{len(times)}")
+        time, values = _thinned(curve.time, curve.values)
+        name = times.setdefault(time.tobytes(), f"time:{len(times)}")
         if name not in blob.index:
-            blob.add(name, curve.time[keep])
-        blob.add(f"curve:{curve.key}", curve.values[keep])
+            blob.add(name, time)
+        blob.add(f"curve:{curve.key}", values)
         told.append({"key": curve.key, "title": curve.title, "unit": curve.unit, "names": curve.names, "time": name})
     return told
 
 
-def scene_json(scene: Scene) -> dict[str, object]:
-    """The scene as the page's script reads it."""
-    return {
-        "shapes": [_shape_json(shape) for shape in scene.shapes],
-        "views": [asdict(view) for view in scene.views],
-        "tool": scene.tool,
-        "trail": scene.trail,
-        "extent": scene.extent,
-        "rate": REPLAY_RATE,
-    }
+def _thinned(time: Array, values: Array) -> tuple[Array, Array]:
+    """At most `CURVE_SAMPLES` samples: of each stretch the least and the largest value, in their order."""
+    if len(time) <= CURVE_SAMPLES:
+        return time, values
+    size = -(-len(time) // (CURVE_SAMPLES // 2))
+    starts = np.arange(0, len(time), size)
+    middles = np.minimum(starts + size // 2, len(time) - 1)
+    rows = np.empty((2 * len(starts), values.shape[1]))
+    for column, one in zip(rows.T, values.T, strict=True):
+        parts = [one[start : start + size] for start in starts]
+        ends = np.array([(part.min(), part.max(), part.argmin() > part.argmax()) for part in parts])
+        turned = ends[:, 2] == 1.0
+        column[0::2] = np.where(turned, ends[:, 1], ends[:, 0])
+        column[1::2] = np.where(turned, ends[:, 0], ends[:, 1])
+    return time[np.stack([starts, middles], axis=1).ravel()], rows
 
 
-def _shape_json(shape: Shape) -> dict[str, object]:
-    fields = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in asdict(shape).items()}
-    return {"kind": type(shape).__name__.lower(), **fields}
-
-
-def _resampled(track: FrameTrack, end: float) -> Array:
-    """Rows (m, 7) at the replay rate, the last sample known at each time; one row for a frame at rest."""
+def _resampled(track: FrameTrack, end: float, rate: float) -> Array:
+    """Rows (m, 7) at a rate, the last sample known at each time; one row for a frame at rest."""
     rows = np.hstack([track.position, track.quaternion])
     if np.all(rows == rows[0]):
         return rows[:1]
-    times = np.arange(0.0, end + 1 / REPLAY_RATE, 1 / REPLAY_RATE)
+    times = np.arange(0.0, end + 1 / rate, 1 / rate)
     at = np.searchsorted(track.time, times + 1e-9, side="right") - 1
     return np.asarray(rows[np.maximum(at, 0)])
-
-
-def _stride(samples: int) -> int:
-    return max(1, -(-samples // CURVE_SAMPLES))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from html import escape
 from importlib.resources import files
 from pathlib import Path
@@ -12,16 +13,88 @@ from pathlib import Path
 from holonom.app.recording import Recording
 from holonom.app.report.comparison import Comparison
 from holonom.app.report.curves import Curve, joint_curves
-from holonom.app.report.embed import Blob, add_curves, add_frames, scene_json
+from holonom.app.report.embed import Blob, add_curves, add_frames, replay_rate
 from holonom.app.report.figures import Figures
+from holonom.app.report.parts import CurveGroup, EventLog, LimitTable, Part, curves_of, part_html
 from holonom.app.report.scene import Scene
-from holonom.app.report.section_table import Content, sections_html
-from holonom.app.report.sections import LimitUse, Outcome, PhotoOverlay, facts_html, program_html
+from holonom.app.report.scene_text import scene_json
+from holonom.app.report.sections import LimitUse, Outcome, PhotoOverlay, facts_html, programs_html
 from holonom.errors import OutputError
+from holonom.signals import Event
 
-__all__ = ["write_report"]
+__all__ = ["Head", "page_html", "write_report"]
 
 _PLACE = re.compile(r"\{\{(\w+)\}\}")
+
+
+@dataclass(frozen=True, slots=True)
+class Head:
+    """The head of a page; `facts` are a few labels with their values, units included."""
+
+    title: str
+    outcome: Outcome
+    subtitle: str = ""
+    facts: Mapping[str, str] = field(default_factory=dict)
+
+
+def page_html(
+    head: Head,
+    recording: Recording,
+    scene: Scene,
+    parts: Sequence[Part],
+    *,
+    programs: Mapping[str, str] | None = None,
+    events: Sequence[Event] | None = None,
+) -> str:
+    """Return a report: head, replay, programs, and parts below.
+
+    Parameters
+    ----------
+    head
+        Title, outcome, facts.
+    recording
+        Frames of the replay, by their full names, and events; it may end early, or be empty.
+    scene
+        What the replay draws. Its frames must be in the recording, unless that holds no frame at all.
+    parts
+        What stands below, in this order.
+    programs
+        Texts of programs by the robots that run them; the replay marks the line of the last event of each.
+    events
+        Those that the replay shows; all of the recording unless given.
+
+    Raises
+    ------
+    UnknownName
+        The scene names a frame that the recording does not have.
+    """
+    blob, rate = Blob(), replay_rate(recording, scene)
+    programs = programs or {}
+    missing = add_frames(blob, recording, scene, rate)
+    shown = recording.events if events is None else events
+    data = {
+        "end": recording.end(),
+        "curves": add_curves(blob, curves_of(parts)),
+        "events": [[e.time, e.line, e.level, e.text, _robot(e, programs)] for e in shown],
+        "scene": {**scene_json(scene), "rate": rate, **({"shapes": []} if missing else {})},
+        "index": blob.index,
+    }
+    values = {
+        "title": escape(head.title),
+        "subtitle": escape(head.subtitle),
+        "outcome": f'<p class="outcome {"ok" if head.outcome.ok else "bad"}">{escape(head.outcome.text)}</p>',
+        "facts": facts_html(head.facts),
+        "program": programs_html(programs),
+        "tool": escape(scene.tool.replace("_", " ")),
+        "sections": "\n".join(map(part_html, parts)),
+        "licences": escape(_asset("VERSIONS") + "\n" + _asset("LICENSE.three") + "\n" + _asset("LICENSE.uplot")),
+        "style": _asset("uplot.min.css") + _asset("report.css"),
+        "vendor": _inline(_asset("vendor.min.js")),
+        "script": _inline("\n".join(_asset(f"{part}.js") for part in ("stage", "curves", "replay"))),
+        "data": _inline(json.dumps(data, separators=(",", ":"))),
+        "blob": blob.text(),
+    }
+    return _PLACE.sub(lambda place: values[place[1]], _asset("report.html"))
 
 
 def write_report(
@@ -40,24 +113,22 @@ def write_report(
     comparison: Comparison | None = None,
     program: str = "",
 ) -> None:
-    """Write the report of a run as one HTML file that needs no network.
+    """Write a report of a recording with sections that are handed in; see `page_html`.
 
     Parameters
     ----------
     path
         The file to write.
-    recording
-        What happened; it may end early, or be empty.
-    scene
-        What the replay draws. Its frames must be in the recording, unless that holds no frame at all.
+    recording, scene
+        Of one robot that is alone, and what the replay draws.
     title, subtitle, outcome, facts
-        The head of the page; `facts` are a few labels with their values, units included.
+        The head of the page.
     curves
         What is drawn over time; those of the recorded joints unless given.
     figures, limits, photograph, comparison
         Sections, left out where nothing is given.
     program
-        Text of the program; the replay marks the line of the last event.
+        Text of the program.
 
     Raises
     ------
@@ -66,33 +137,17 @@ def write_report(
     OutputError
         The file cannot be written.
     """
-    blob = Blob()
-    missing = add_frames(blob, recording, scene)
-    shown = joint_curves(recording) if curves is None else curves
-    data = {
-        "end": recording.end(),
-        "curves": add_curves(blob, shown),
-        "events": [[event.time, event.line, event.level, event.text] for event in recording.events],
-        "scene": {**scene_json(scene), "shapes": []} if missing else scene_json(scene),
-        "index": blob.index,
-    }
-    values = {
-        "title": escape(title),
-        "subtitle": escape(subtitle),
-        "outcome": f'<p class="outcome {"ok" if outcome.ok else "bad"}">{escape(outcome.text)}</p>',
-        "facts": facts_html(facts or {}),
-        "program": program_html(program),
-        "tool": escape(scene.tool.replace("_", " ")),
-        "sections": sections_html(Content(recording, shown, figures, limits, photograph, comparison)),
-        "licences": escape(_asset("VERSIONS") + "\n" + _asset("LICENSE.three") + "\n" + _asset("LICENSE.uplot")),
-        "style": _asset("uplot.min.css") + _asset("report.css"),
-        "vendor": _inline(_asset("vendor.min.js")),
-        "script": _inline("\n".join(_asset(f"{part}.js") for part in ("stage", "curves", "replay"))),
-        "data": _inline(json.dumps(data, separators=(",", ":"))),
-        "blob": blob.text(),
-    }
-    page = _PLACE.sub(lambda place: values[place[1]], _asset("report.html"))
-    _write(Path(path), page)
+    parts: list[Part] = [*([comparison] if comparison else []), *figures]
+    parts.append(CurveGroup(joint_curves(recording) if curves is None else curves))
+    parts += [*([photograph] if photograph else []), LimitTable(recording.joint_names, limits)]
+    parts.append(EventLog(recording.events))
+    head = Head(title, outcome, subtitle, facts or {})
+    _write(Path(path), page_html(head, recording, scene, parts, programs={"": program}))
+
+
+def _robot(event: Event, robots: Mapping[str, str]) -> str:
+    """Name of the robot that an event is of, "" where it is none that has a program."""
+    return next((robot for robot in robots if robot and event.source.startswith(f"{robot}.")), "")
 
 
 def _write(path: Path, page: str) -> None:

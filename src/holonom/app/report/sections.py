@@ -21,10 +21,12 @@ __all__ = [
     "facts_html",
     "limits_html",
     "photo_html",
-    "program_html",
+    "programs_html",
 ]
 
 Array = NDArray[np.float64]
+ROWS = 5000
+"""Events that the log shows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +39,7 @@ class Outcome:
 
 @dataclass(frozen=True, slots=True)
 class LimitUse:
-    """Peak of a quantity per joint against its limit, (n,) each, in `unit`, absolute values."""
+    """Peak of a quantity per joint against its limit, (n,) each, in `unit`, absolute values; NaN: not known."""
 
     quantity: str
     unit: str
@@ -92,21 +94,21 @@ def facts_html(facts: Mapping[str, str]) -> str:
     return f'<dl class="facts">{items}</dl>' if facts else ""
 
 
-def limits_html(joint_names: Sequence[str], limits: Iterable[LimitUse]) -> str:
+def limits_html(joint_names: Sequence[str], limits: Iterable[LimitUse], name: str, title: str, note: str) -> str:
     """A table, joints down and quantities across, each cell a bar from nothing to its limit."""
     uses = tuple(limits)
     if not uses:
         return ""
     head = "".join(f"<th>{escape(use.quantity)} <small>{escape(use.unit)}</small></th>" for use in uses)
     rows = "".join(
-        f"<tr><th>{escape(name)}</th>{''.join(_limit_cell(use, i) for use in uses)}</tr>"
-        for i, name in enumerate(joint_names)
+        f"<tr><th>{escape(joint)}</th>{''.join(_limit_cell(use, i) for use in uses)}</tr>"
+        for i, joint in enumerate(joint_names)
     )
     return _section(
-        "limits",
-        "Limits touched",
+        name,
+        title,
         f'<table class="limits"><thead><tr><th></th>{head}</tr></thead><tbody>{rows}</tbody></table>'
-        '<p class="note">Largest value of the run against its limit, at any 0.1 ms step: briefer than curves show.</p>',
+        f'<p class="note">{escape(note)}</p>',
     )
 
 
@@ -134,30 +136,40 @@ def photo_html(photo: PhotoOverlay | None) -> str:
 
 
 def events_html(events: Sequence[Event]) -> str:
-    """The log: time, level, program line, text; a click moves the replay there."""
+    """The log: time, level, program line, text; a click moves the replay there. Of very many the first ones."""
+    shown = events[:ROWS]
     rows = "".join(
         f'<tr class="{escape(e.level)}" data-time="{e.time:.3f}"><td>{e.time:.2f}</td>'
         f"<td>{e.line or ''}</td><td>{escape(e.source)}</td><td>{escape(e.text)}</td></tr>"
-        for e in events
+        for e in shown
     )
     body = (
         '<div class="scroll"><table class="events"><thead><tr><th>time&nbsp;s</th><th>line</th>'
         f"<th>source</th><th>event</th></tr></thead><tbody>{rows}</tbody></table></div>"
     )
+    if len(events) > ROWS:
+        body += f'<p class="note">The first {ROWS} of {len(events)} events; the recording holds all.</p>'
     return _section("log", "Events", body if events else '<p class="note">No events were recorded.</p>')
 
 
-def program_html(program: str) -> str:
-    """The program, line by line; the script marks the line that runs."""
+def programs_html(programs: Mapping[str, str]) -> str:
+    """The programs by their robots, line by line; the script marks the lines that run."""
+    return "".join(_program(robot, text) for robot, text in programs.items() if text)
+
+
+def _program(robot: str, text: str) -> str:
     lines = "".join(
         f'<li data-line="{number}"><code>{escape(line) or " "}</code></li>'
-        for number, line in enumerate(program.splitlines(), start=1)
+        for number, line in enumerate(text.splitlines(), start=1)
     )
-    return f'<div class="card program"><h2>Program</h2><ol id="program">{lines}</ol></div>' if lines else ""
+    title = f"Program of {escape(robot)}" if robot else "Program"
+    return f'<div class="card program"><h2>{title}</h2><ol data-robot="{escape(robot)}">{lines}</ol></div>'
 
 
 def _limit_cell(use: LimitUse, joint: int) -> str:
     peak, limit = float(use.peak[joint]), float(use.limit[joint])
+    if not limit > 0.0 or np.isnan(peak):
+        return f"<td class='none'><span class='value'>{'–' if np.isnan(peak) else f'{peak:.3g}, no limit'}</span></td>"
     ratio = peak / limit
     level = "over" if ratio > 1 else "near" if ratio > 0.9 else "fine"
     return (

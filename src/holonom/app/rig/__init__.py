@@ -10,7 +10,7 @@
 from holonom.app.rig.arm import ArmRig
 from holonom.app.rig.base import BaseRig
 from holonom.app.rig.ending import Ended, Ending
-from holonom.app.rig.rig import Rig
+from holonom.app.rig.rig import Rig, Simulated, simulated
 from holonom.app.rig.robot import RobotRig
 
-__all__ = ["ArmRig", "BaseRig", "Ended", "Ending", "Rig", "RobotRig"]
+__all__ = ["ArmRig", "BaseRig", "Ended", "Ending", "Rig", "RobotRig", "Simulated", "simulated"]

@@ -92,7 +92,8 @@ class ArmRig:
     @property
     def done(self) -> bool:
         """Whether its program has ended or stands at PAUSE, and the arm and its hand too."""
-        return self._status in (Status.HALTED, Status.PAUSED) and self.machine.idle() and self.machine.hand_idle()
+        ended = self._status in (Status.HALTED, Status.PAUSED) and self.loop.time >= self.job.hold - 1e-9
+        return ended and self.machine.idle() and self.machine.hand_idle()
 
     @property
     def paused(self) -> bool:

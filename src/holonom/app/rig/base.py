@@ -9,12 +9,13 @@ from numpy.typing import NDArray
 
 from holonom.app.job import BaseJob
 from holonom.app.rig.base_records import BaseRecords
-from holonom.app.rig.base_words import BaseWords
 from holonom.closed_loop import BaseLoop
 from holonom.closed_loop.base import driven_part
+from holonom.closed_loop.base_words import BaseWords
 from holonom.errors import DriveFault
 from holonom.machine import BaseController, Creep
 from holonom.machine.base.kernels import RUNNING, STOPPED
+from holonom.machine.base.paths import sampled
 from holonom.machine.digital import DigitalSignals
 from holonom.machine.group import planar_pose
 from holonom.machine.supervisor import StopCategory
@@ -45,7 +46,8 @@ def make_base(job: BaseJob, floor: Floor, rng: np.random.Generator) -> BaseLoop:
     """Return the base with its controller, standing where it starts."""
     ideal = job.drives == "ideal"
     plant = BasePlant(job.base, job.drive, floor, sensors=job.sensors, faults=job.faults, rng=rng, ideal=ideal)
-    loop = BaseLoop(BaseController(job.base, job.drive, job.settings, creep=creep_on(floor)), plant)
+    settings = job.settings.without_motors() if ideal else job.settings
+    loop = BaseLoop(BaseController(job.base, job.drive, settings, creep=creep_on(floor)), plant)
     path, twist = job.task.path, (0.0, 0.0, 0.0)
     if path is not None and job.task.after is None and job.task.start == 0.0:
         twist = tuple(path.twist[0])
@@ -123,7 +125,7 @@ class BaseRig:
                 return
             self._began = now
             if task.path is not None:
-                path = task.path
+                path = sampled(task.path, self.job.levels)
                 self.loop.controller.follow_path(np.hstack([path.pose, path.twist, path.acceleration]))
         since = now - self._began
         if task.velocities is not None and not self._ended:

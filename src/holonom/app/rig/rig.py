@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from holonom.app.job import ArmJob, Job, Mount
 from holonom.app.recording import Recorder
+from holonom.app.report.facts import Ending as EndingFacts
 from holonom.app.rig.arm import ArmRig, make_loop
 from holonom.app.rig.base import BaseRig, make_base
 from holonom.app.rig.collisions import Collisions
@@ -21,7 +22,7 @@ from holonom.errors import MotionError, ProgramFault, RunError
 from holonom.machine import ControlSettings
 from holonom.machine.digital import DigitalSignals
 from holonom.machine.group import Group
-from holonom.machine.supervisor import Supervision, Supervisor
+from holonom.machine.supervisor import StopCategory, Supervision, Supervisor
 from holonom.signals import Event, FramePoses, Reading
 from holonom.sim import World
 
@@ -119,14 +120,18 @@ class Rig:
         return TICK * self._ticks
 
     def run(
-        self, *, stop: Callable[[], bool] = lambda: False, progress: Callable[[float], None] = lambda t: None
+        self,
+        *,
+        stop: Callable[[], bool] = lambda: False,
+        overdue: Callable[[], bool] = lambda: False,
+        progress: Callable[[float], None] = lambda time: None,
     ) -> Ended:
         """Run to the end, or until `stop` says so; what happened is recorded.
 
         Parameters
         ----------
-        stop
-            Asked between ticks.
+        stop, overdue
+            Asked between ticks: whether to stop all robots; whether to end although some are not at rest yet.
         progress
             Told the simulated time.
         """
@@ -142,6 +147,9 @@ class Rig:
             self._look_around()
             progress(self.time)
             state = self.supervisor.tick()
+            if state is Supervision.STOPPING and overdue():
+                self._recorder.put(Event(self.time, "warning", "operator", "ended before all robots stood"))
+                return self._ended()
             if state is Supervision.STOPPED or (state is Supervision.RUNNING and self._done()):
                 return self._ended()
 
@@ -152,13 +160,13 @@ class Rig:
             except RunError as fault:
                 self._fail(robot, fault)
 
-    def _fail(self, robot: RobotRig | None, fault: RunError) -> None:
+    def _fail(self, robot: RobotRig | None, fault: RunError, category: StopCategory | None = None) -> None:
         text = str(fault) if robot is None else robot.explain(fault)
         if robot is None:
             self._recorder.put(Event(self.time, "error", "cell", text))
         else:
             robot.log("error", "program" if isinstance(fault, ProgramFault | MotionError) else "drive", text)
-        self.supervisor.fail(robot, type(fault)(text))
+        self.supervisor.fail(robot, type(fault)(text), category)
 
     def _done(self) -> bool:
         if all(robot.done for robot in self.robots):
@@ -180,7 +188,7 @@ class Rig:
         self._observe()
         hit = self._collisions.first(self.bases.values(), self.arms.values())
         if hit is not None and self.supervisor.state is Supervision.RUNNING:
-            self._fail(hit.robot, MotionError(hit.text))
+            self._fail(hit.robot, MotionError(hit.text), StopCategory.ZERO_SPEED)
 
     def _observe(self) -> None:
         now = self.time
@@ -196,34 +204,28 @@ class Rig:
         fault = self.supervisor.fault
         if fault is not None:
             return Ended(Ending.FAILED, str(fault), self.time, fault)
-        if self.supervisor.state is Supervision.STOPPED:
+        if self.supervisor.state is not Supervision.RUNNING:
             return Ended(Ending.STOPPED, "stopped by the operator", self.time)
         if any(robot.paused for robot in self.robots):
             return Ended(Ending.PAUSED, "program at PAUSE", self.time)
         return Ended(Ending.DONE, "done", self.time)
 
-    def statistics(self) -> dict[str, Any]:
-        """What no track holds: the worst of each joint at the controllers' own rates, parts in their fields."""
-        arms = {
+    def ending(self, ended: Ended) -> EndingFacts:
+        """How it ended, with what no track holds: the worst of each joint at the controllers' own rates."""
+        joints = {
             name: {
-                joint: {what: float(values[k]) for what, values in arm.loop.worst.items()}
+                joint: {_peak(what): float(values[k]) for what, values in arm.loop.worst.items()}
                 for k, joint in enumerate(arm.job.arm.limits.names)
             }
             for name, arm in self.arms.items()
         }
-        touch = {name: float(arm.loop.touch) for name, arm in self.arms.items()}
-        driven = {name: base.driven for name, base in self.bases.items()}
-        return {"joints": arms, "contact_force": touch, "path_driven": driven, "placed": self._placed()}
+        numbers = {name: {"contact_force": float(arm.loop.touch)} for name, arm in self.arms.items()}
+        numbers |= {name: {"path_driven": base.driven} for name, base in self.bases.items() if base.job.task.path}
+        return EndingFacts(str(ended.ending), ended.reason, ended.time, joints, numbers)
 
-    def _placed(self) -> dict[str, int]:
-        found = {place.name: 0 for place in self.job.fields}
-        for disc in self.world.discs:
-            for place in self.job.fields:
-                x, y, z = (np.linalg.inv(place.T) @ disc.pose[:, 3])[:3]
-                if 0.0 <= x <= place.size[0] and 0.0 <= y <= place.size[1] and z < place.height:
-                    found[place.name] += 1
-                    break
-        return found
+
+def _peak(what: str) -> str:
+    return what if what.startswith("rms") else f"peak_{what}"
 
 
 class _Typed:

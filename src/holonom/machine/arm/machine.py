@@ -77,7 +77,7 @@ class ArmMachine:
         self.arm, self.drives, self.hand = arm, drives, hand
         self.queue = MotionQueue(arm, start, line, levels)
         self._sink, self._look, self._ready, self._observe, self._frame = sink, look, ready, observe, frame
-        self._before, self._braking = drives.position, 0
+        self._before, self._braking, self._halting = drives.position, 0, False
         self._samples = round(PROGRAM_TICK / levels.servo)
         self._parts: list[Any] = []
         self._signals = signals if signals is not None else DigitalSignals(sink)
@@ -86,7 +86,7 @@ class ArmMachine:
 
     def move(self, motion: MotionRequest) -> bool:
         """Take a motion, blended into the present one if both allow it; False while one is already waiting."""
-        idle = self.idle()
+        idle, self._halting = self.idle(), False
         return self.queue.move(self._on_base(motion) if self._frame is not None else motion, idle=idle)
 
     def idle(self) -> bool:
@@ -185,12 +185,16 @@ class ArmMachine:
         try:
             for what in self.hand.step(PROGRAM_TICK) if self.hand is not None else ():
                 self.log("info", "hand", what, self.active_line)
+        except MotionError:
+            if not self._halting:  # a finger that hit something is still there while the arm brakes
+                raise
         finally:
             self._observe(self.queue.present())
 
     def begin_halt(self) -> None:
         """Brake along the path from the next tick on (stop category 1 or 2)."""
         self.queue.brake()
+        self._halting = True
 
     def begin_brake(self, duration: float = 0.3) -> None:
         """Hold zero speed from the next tick on, whatever the reference was: after a fault of drives or levels."""

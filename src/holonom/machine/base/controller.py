@@ -120,6 +120,15 @@ class BaseController:
         return np.array([self.state[name][0] for name in ("seen_vx", "seen_vy", "seen_w")])
 
     @property
+    def silence(self) -> str:
+        """Why it stops although a velocity was asked for: a sentence, "" where it does not."""
+        state, timeout = self.state[0], self.params.shaping.timeout
+        moving = any(state[f"wanted_{name}"] != 0.0 for name in ("vx", "vy", "w"))
+        if state["mode"] != VELOCITY or not moving or state["age"] * TICK <= timeout:
+            return ""
+        return f"the level above is silent: no velocity came for {1e3 * state['age'] * TICK:.0f} ms"
+
+    @property
     def ending(self) -> int:
         """How far its path is: `RUNNING`, `DONE`, `STOPPED`."""
         return int(self.state["ended"][0])

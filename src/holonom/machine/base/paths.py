@@ -12,6 +12,7 @@ from scipy.interpolate import CubicSpline
 from scipy.ndimage import uniform_filter1d
 
 from holonom.errors import OutOfLimits, ShapeError
+from holonom.machine.levels import Levels, interpolate
 from holonom.registry import OWN, Method, Table, parameter
 
 __all__ = [
@@ -23,6 +24,7 @@ __all__ = [
     "figure_of_eight",
     "plan_path",
     "rounded_square",
+    "sampled",
     "waypoints",
 ]
 
@@ -319,3 +321,25 @@ def _reference(curve: CubicSpline, length: float, s: Array, speed: Array, gain: 
         np.column_stack([in_base(velocity), turn]),
         np.column_stack([in_base(acceleration), turn_change]),
     )
+
+
+def sampled(path: ReferencePath, levels: Levels) -> ReferencePath:
+    """Return what a base's servos see of a path whose points come once each period of the supervisor.
+
+    Between them they interpolate as `levels` says; twist and acceleration are those of what came of it.
+    """
+    ratio = round(levels.supervisor / TICK)
+    if ratio <= 1:
+        return path
+    at = np.append(np.arange(0, len(path.pose) - 1, ratio), len(path.pose) - 1)
+    rows = interpolate(path.pose[at[:-1]], ratio, levels.interpolation)
+    last = interpolate(path.pose[at[-2:]], int(at[-1] - at[-2]), levels.interpolation)
+    pose = np.vstack([rows, last[1:]])
+    speed = np.gradient(pose, TICK, axis=0)
+    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    rate = np.gradient(speed, TICK, axis=0)
+
+    def in_base(w: Array) -> Array:
+        return np.stack([c * w[:, 0] + s * w[:, 1], c * w[:, 1] - s * w[:, 0], w[:, 2]], axis=1)
+
+    return ReferencePath(path.time, pose, in_base(speed), in_base(rate))

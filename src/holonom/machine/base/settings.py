@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from holonom.control.path_keeping import EstimateSettings, KeepingSettings
@@ -102,6 +102,10 @@ class BaseSettings:
     sensors: BaseSensors = field(default_factory=BaseSensors)
     friction: float = 0.6
     creep: Creep | None = None
+
+    def without_motors(self) -> BaseSettings:
+        """Return the settings for drives that turn as they are told: no current tells of slip or of lost motors."""
+        return replace(self, slip=None, traction=None, watch=None)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.friction < math.inf:

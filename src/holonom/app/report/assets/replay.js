@@ -74,12 +74,20 @@ class Replay {
     const at = times.length && times[0] <= this.state.time + 1e-6 ? nearest(times, this.state.time) : -1;
     if (at === this.state.event) return;
     this.state.event = at;
-    const [, line, , text] = at < 0 ? [0, 0, "", "–"] : data.events[at];
-    $("event").textContent = text;
+    $("event").textContent = at < 0 ? "–" : data.events[at][3];
+    this.showLines(at);
     const rows = document.querySelectorAll(".events tbody tr");
     mark(rows, rows[at], document.querySelector("#log .scroll"));
-    const lines = document.querySelectorAll("#program li");
-    mark(lines, line ? lines[line - 1] : null, $("program"));
+  }
+
+  /** In each program the line of its robot's last event. */
+  showLines(at) {
+    for (const program of document.querySelectorAll(".program ol")) {
+      let k = at;
+      while (k >= 0 && !(data.events[k][1] && data.events[k][4] === program.dataset.robot)) k--;
+      const lines = program.querySelectorAll("li");
+      mark(lines, k < 0 ? null : lines[data.events[k][1] - 1], program);
+    }
   }
 }
 

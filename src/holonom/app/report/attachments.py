@@ -1,0 +1,177 @@
+"""What a run puts at the beginning of its recording, so that the report can be made from that alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.app.report.attached import CELL, PHOTOGRAPH, PHOTOGRAPH_WORDS, SCENE, photograph_text, text_of
+from holonom.app.report.facts import (
+    ArmFacts,
+    BaseFacts,
+    CellFacts,
+    FaultFacts,
+    FieldFacts,
+    JointFacts,
+    PartFacts,
+    PatchFacts,
+    RobotFacts,
+    Rows,
+)
+from holonom.app.report.scene_text import scene_text
+from holonom.mechanics import Arm
+from holonom.sim import Floor, RectangularPatch, RoundPatch
+
+if TYPE_CHECKING:
+    from holonom.app.job import ArmJob, BaseJob, Job
+
+__all__ = ["attachments_of", "cell_facts", "patch_corners"]
+
+Array = NDArray[np.float64]
+PROGRAM = "program.arps"
+ROUND = 48
+"""Corners of a round patch."""
+
+
+def attachments_of(
+    job: Job, controller: int = -1, *, rated: Sequence[Arm] = (), patches: Sequence[str] = ()
+) -> dict[str, bytes]:
+    """Return the files for `Recorder(attachments=...)`: cell, scene, programs, photograph.
+
+    Parameters
+    ----------
+    job
+        What is run.
+    controller
+        Which of an arm's settings this run is under.
+    rated
+        The arms, in their order, with the speeds that their models state, where a cell keeps below those.
+    patches
+        Names of the floor's patches.
+    """
+    files = {
+        CELL: text_of(CellFacts, cell_facts(job, controller, rated=rated, patches=patches)),
+        SCENE: scene_text(job.scene),
+    }
+    for arm in job.arms:
+        if arm.program is not None:
+            files[_program_name(arm)] = "\n".join(arm.program.lines).encode()
+    if job.photograph is not None:
+        files |= {PHOTOGRAPH: job.photograph.png, PHOTOGRAPH_WORDS: photograph_text(job.photograph)}
+    return files
+
+
+def cell_facts(job: Job, controller: int = -1, *, rated: Sequence[Arm] = (), patches: Sequence[str] = ()) -> CellFacts:
+    """Return what a recording says of a job; parameters as of `attachments_of`."""
+    stated = rated or [arm.arm for arm in job.arms]
+    arms = [_arm_robot(arm, controller, own) for arm, own in zip(job.arms, stated, strict=True)]
+    fields = [FieldFacts(place.name, _rows(place.T), place.size, place.height) for place in job.fields]
+    names = [*patches, *(f"patch {k + 1}" for k in range(len(patches), len(job.floor.patches)))]
+    floor = [PatchFacts(name, _rows(patch_corners(p))) for name, p in zip(names, job.floor.patches, strict=False)]
+    return CellFacts(
+        title=job.name,
+        description=job.description,
+        seed=job.seed,
+        notes=job.notes,
+        robots=(*arms, *(_base_robot(base, job.floor) for base in job.bases)),
+        patches=tuple(floor),
+        fields=tuple(fields),
+        parts=tuple(PartFacts(part.name, part.thickness) for part in job.parts),
+    )
+
+
+def patch_corners(patch: RectangularPatch | RoundPatch) -> Array:
+    """Corners (N, 2) of a patch in the world; of a round one, of a polygon."""
+    if isinstance(patch, RoundPatch):
+        turn = np.linspace(0.0, 2.0 * np.pi, ROUND, endpoint=False)
+        return np.array(patch.centre) + patch.radius * np.stack([np.cos(turn), np.sin(turn)], -1)
+    half = 0.5 * np.array([patch.length, patch.width]) * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
+    c, s = math.cos(patch.angle), math.sin(patch.angle)
+    return np.array(patch.centre) + half @ np.array([[c, s], [-s, c]])
+
+
+def _program_name(arm: ArmJob) -> str:
+    return f"{arm.name}/{PROGRAM}" if arm.name else PROGRAM
+
+
+def _arm_robot(job: ArmJob, controller: int, stated: Arm) -> RobotFacts:
+    model = job.arm.model
+    motors = [joint.motor for joint in model.joints]
+    kinematics = ArmFacts(
+        base=_rows(model.base),
+        joints=tuple(
+            JointFacts(
+                joint.name, joint.kind, _rows(joint.before), _rows(joint.after), model.parent(i),
+                None if joint.mimic is None else (joint.mimic.joint, joint.mimic.multiplier, joint.mimic.offset),
+            )
+            for i, joint in enumerate(model.joints)
+        ),
+        tip=model.tool_joint,
+        tool=_rows(model.tool),
+        fixed=job.mount is None or job.mount.robot is None,
+    )  # fmt: skip
+    return RobotFacts(
+        name=job.name,
+        kind="arm",
+        model=model.name,
+        controller=job.settings[controller].controller,
+        drives=job.drives,
+        joints=tuple(joint.name for joint in model.joints),
+        kinds=tuple(joint.kind for joint in model.joints),
+        limits={
+            "speed": _limit(joint.limits.speed for joint in stated.model.joints),
+            "torque": _limit(joint.limits.torque for joint in stated.model.joints),
+            "current": _limit(None if motor is None else motor.max_current for motor in motors),
+            "voltage": _limit(None if motor is None else motor.max_voltage for motor in motors),
+        },
+        program=_program_name(job) if job.program is not None else "",
+        arm=kinematics,
+    )
+
+
+def _base_robot(job: BaseJob, floor: Floor) -> RobotFacts:
+    base, motor, gear = job.base, job.drive.motor, job.drive.gear
+    names, count = base.driven, len(base.driven)
+    parts: dict[str, object] = {"slip detection": job.settings.slip, "traction control": job.settings.traction}
+    parts["motor watch"] = job.settings.watch
+    faults = [(f.time, f.wheel if isinstance(f.wheel, str) else names[f.wheel], f.kind) for f in job.faults]
+    facts = BaseFacts(
+        wheels=tuple(base.wheels),
+        radius=base.radius,
+        alpha=base.alpha,
+        mass=base.mass,
+        com=tuple(map(float, base.com)),
+        com_height=base.com_height,
+        motor=motor,
+        gear=gear,
+        friction=floor.material.peak,
+        slip_at_peak=floor.material.slip_at_peak,
+        faults=tuple(FaultFacts(*fault) for fault in faults),
+    )
+    return RobotFacts(
+        name=job.name,
+        kind="base",
+        model=base.name,
+        controller=", ".join(name for name, part in parts.items() if part is not None),
+        drives=job.drives,
+        joints=names,
+        kinds=("revolute",) * count,
+        limits={
+            "speed": _limit([motor.no_load_speed / abs(gear.ratio)] * count),
+            "current": _limit([motor.max_current] * count),
+            "voltage": _limit([motor.max_voltage] * count),
+        },
+        base=facts,
+    )
+
+
+def _limit(values: Iterable[float | None]) -> tuple[float | None, ...]:
+    return tuple(float(value) if value is not None and 0.0 < value < math.inf else None for value in values)
+
+
+def _rows(values: Sequence[Sequence[float]] | Array) -> Rows:
+    return tuple(tuple(map(float, row)) for row in values)

@@ -1,0 +1,90 @@
+"""Section: where a base drove, and how far that is from where it should have been."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from holonom.app.report.base_findings import BaseFindings, Motion, Phase, findings_of, motion_of, path_error
+from holonom.app.report.figures import Figures, Table
+from holonom.app.report.section_table import Section
+from holonom.app.report.source import BARE, RobotSource, Source
+from holonom.app.report.topview import MapLine, MapMark, MapPatch, TopView
+from holonom.registry import OWN, Method
+
+__all__ = ["SECTION"]
+
+REFERENCE, TRUE, BELIEVED, OTHER = "#16202e", "#0f766e", "#8f7ae0", "#f0a37f"
+PATCH, MARK = "#bfe3f5", "#b3261e"
+NOTE = (
+    "Distance of the true pose from where the reference is at the same instant. The controller knows its pose by dead "
+    "reckoning only; what it believes its error to be is the believed peak, the rest is drift."
+)
+
+
+def _parts(source: Source) -> Sequence[Figures]:
+    return [_section(source, robot, motion) for robot, motion in _moving(source)]
+
+
+def _moving(source: Source) -> list[tuple[RobotSource, Motion]]:
+    bases = [robot for robot in source.robots if robot.facts.kind == "base"]
+    return [(robot, motion) for robot in bases if (motion := motion_of(robot.recording)) is not None]
+
+
+def _section(source: Source, robot: RobotSource, motion: Motion) -> Figures:
+    found = findings_of(robot.recording, robot.facts)
+    other = robot.beside.get(BARE)
+    bare = motion_of(other.recording) if other is not None else None
+    patches = [MapPatch(patch.name, np.array(patch.corners), PATCH) for patch in source.cell.patches]
+    map_ = TopView("seen from above", _lines(motion, bare), patches, _marks(found, motion))
+    title = robot.called("Path")
+    return Figures(robot.key("path"), title, [map_, _table(found, motion, bare)], NOTE)
+
+
+def _lines(motion: Motion, bare: Motion | None) -> list[MapLine]:
+    lines = [] if bare is None else [MapLine("without handling of faults", bare.true[:, :2], OTHER)]
+    return [
+        *lines,
+        MapLine("driven", motion.true[:, :2], TRUE),
+        MapLine("where the controller believed to be", motion.believed[:, :2], BELIEVED),
+        MapLine("reference", motion.reference[:, :2], REFERENCE, dashed=True),
+    ]
+
+
+def _marks(found: BaseFindings, motion: Motion) -> list[MapMark]:
+    what = [(f"{slip.wheel} slips", slip.start) for slip in found.slips]
+    what += [(f"motor of {motor.wheel} {motor.kind}", motor.time) for motor in found.dead if motor.reached]
+    return [MapMark(text, _place(motion, time), MARK) for text, time in what[:MARKS]]
+
+
+MARKS = 40
+"""Marks on a map; more cannot be read."""
+
+
+def _place(motion: Motion, time: float) -> tuple[float, float]:
+    k = min(int(np.searchsorted(motion.time, time)), len(motion.time) - 1)
+    return float(motion.true[k, 0]), float(motion.true[k, 1])
+
+
+def _table(found: BaseFindings, motion: Motion, bare: Motion | None) -> Table:
+    head = ("phase", "from", "to", "rms", "peak", "peak, believed", "heading, peak")
+    rows = [_row(phase, motion, bare) for phase in found.phases]
+    return Table((*head, "peak without handling") if bare is not None else head, rows)
+
+
+def _row(phase: Phase, motion: Motion, bare: Motion | None) -> tuple[str, ...]:
+    times = (phase.name, f"{phase.start:.2f} s", f"{phase.end:.2f} s")
+    error, other = path_error(motion, phase), path_error(bare, phase)
+    beside = () if bare is None else ("ended before" if other is None else f"{1e3 * other.peak:.1f} mm",)
+    if error is None:
+        return (*times, "", "", "", "", *beside)
+    distances = (f"{1e3 * value:.1f} mm" for value in (error.rms, error.peak, error.believed))
+    return (*times, *distances, f"{np.degrees(error.heading):.1f}°", *beside)
+
+
+def _applies(source: Source) -> bool:
+    return bool(_moving(source))
+
+
+SECTION = Method("where a base drove, and should have", lambda _: Section(_applies, _parts), OWN)

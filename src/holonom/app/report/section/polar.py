@@ -1,0 +1,77 @@
+"""Section: what a base's motors and floor can give, by direction, with all motors and without those that failed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.app.report.base_findings import findings_of
+from holonom.app.report.facts import BaseFacts, RobotFacts
+from holonom.app.report.figures import Figures
+from holonom.app.report.polar import Polar, PolarLine
+from holonom.app.report.section_table import Section
+from holonom.app.report.source import RobotSource, Source
+from holonom.errors import InputError
+from holonom.mobile import WheelBase, acceleration_envelope, drive_limits, effective_motors, speed_envelope
+from holonom.registry import OWN, Method
+
+__all__ = ["SECTION"]
+
+Array = NDArray[np.float64]
+INTACT, DEAD = "#0b7285", "#d9480f"
+NOTE = "By direction of travel in the robot frame, without turning: what motors and floor can give."
+
+
+def _parts(source: Source) -> Sequence[Figures]:
+    return [found for robot in source.robots if (found := _section(robot)) is not None]
+
+
+def _section(robot: RobotSource) -> Figures | None:
+    """None for what is no base, and for one that these plots are not defined for."""
+    facts = robot.facts.base
+    if facts is None or facts.mass is None:
+        return None
+    dead = [motor.wheel for motor in findings_of(robot.recording, robot.facts).dead if motor.reached]
+    try:
+        figures = _figures(_base(robot.facts, facts), facts, dead)
+    except InputError:  # wheels that cannot drive in all directions
+        return None
+    return Figures(robot.key("polar"), robot.called("What the drive can do"), figures, NOTE)
+
+
+def _base(robot: RobotFacts, facts: BaseFacts) -> WheelBase:
+    return WheelBase(
+        facts.wheels, name=robot.model, radius=facts.radius, alpha=facts.alpha, mass=facts.mass, com=facts.com,
+        com_height=facts.com_height,
+    )  # fmt: skip
+
+
+def _figures(base: WheelBase, facts: BaseFacts, dead: Sequence[str]) -> list[Polar]:
+    directions = np.linspace(0.0, 2.0 * np.pi, 181)
+    limits = drive_limits(base, facts.motor, facts.gear, facts.friction)
+    gone = [base.driven.index(wheel) for wheel in dead]
+
+    def values(out: Sequence[int]) -> tuple[Array, Array, Array]:
+        return (
+            effective_motors(base, directions, out=out),
+            acceleration_envelope(base, directions, limits, out=out).value,
+            speed_envelope(base, directions, limits, out=out).value,
+        )
+
+    titles = (("effective motors", ""), ("largest acceleration", "m/s²"), ("largest speed", "m/s"))
+    lines = [("all motors", values(()), INTACT)]
+    if gone:
+        lines.append((f"without {' and '.join(dead)}", values(gone), DEAD))
+    return [
+        Polar(title, unit, [PolarLine(name, directions, curve[k], colour) for name, curve, colour in lines])
+        for k, (title, unit) in enumerate(titles)
+    ]
+
+
+def _applies(source: Source) -> bool:
+    return bool(_parts(source))
+
+
+SECTION = Method("what a base's drives can give, by direction", lambda _: Section(_applies, _parts), OWN)
