@@ -47,7 +47,11 @@ def check_cell(path: Path) -> Answer:
     wrong = [*job.unreachable, *(line for robot in robots for line in robot.wrong)]
     if wrong:
         raise ProgramError("\n".join(wrong))
-    warnings = [warning for robot in robots for warning in robot.warnings]
+    warnings = [
+        f"{robot.data['name']}: {warning}" if len(robots) > 1 else warning
+        for robot in robots
+        for warning in robot.warnings
+    ]
     notes = [*job.notes, *(note for robot in robots for note in robot.notes)]
     lines = [*_lines(path, robots), *_seen(job)]
     lines += [f"warning: {warning}" for warning in warnings] + [f"note: {note}" for note in notes]
