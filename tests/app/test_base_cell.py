@@ -37,10 +37,10 @@ def test_what_is_left_out_has_a_default(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "key", "says"),
     [
-        ('wheel_radius = "27.11mm"', 'wheel_radius = "0mm"', "base.wheel_radius", "is 0.0; it must be finite and greater than 0 m"),
+        ('wheel_radius = "27.11mm"', 'wheel_radius = "0mm"', "base.wheel_radius", "is 0.0; it must be"),
         ('radius = "78.9mm"\n', "", "base", "radius missing; it needs radius (distance"),
         ('arrangement = "omni"', 'arrangement = "omny"', "base.arrangement", "did you mean 'omni'"),
-        ('arrangement = "omni"', 'arrangement = "mecanum"', "base.angles", "no parameter of arrangement of wheels 'mecanum' 'angles'"),
+        ('arrangement = "omni"', 'arrangement = "mecanum"', "base.angles", "no parameter of arrangement"),
         ('mass = "6.35kg"', "mass = 6.35", "base.mass", "6.35 came"),
         ('supply = "14.8V"', 'supply = "14.8A"', "drive.supply", "V or mV"),
         ('sliding_friction = 0.65', "sliding_friction = 0.9", "floor", "sliding friction is the smaller"),

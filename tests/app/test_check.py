@@ -10,16 +10,22 @@ import numpy as np
 import pytest
 from cells import EXAMPLE, CellCopy
 
-from holonom.app.arm.assembly import build_arm
-from holonom.app.arm.check import rehearse
-from holonom.app.arm.job import load_job
+from holonom.app.cell import load_cell
+from holonom.app.cell.build import build_job
+from holonom.app.cell.rehearse import Rehearsal, rehearse
 from holonom.app.cell.taught import taught_problems
 from holonom.app.cli import main
 from holonom.app.short_cell import load_cell
 from holonom.lang import load_program
 
-CELL = load_cell(EXAMPLE / "cell.toml")
-ARM = build_arm(CELL)
+
+def rehearsed(path: Path) -> Rehearsal:
+    job = build_job(load_cell(path), path)
+    return rehearse(job, job.arms[0])
+
+
+JOB = build_job(load_cell(EXAMPLE / "cell.toml"), EXAMPLE / "cell.toml").arms[0]
+ARM, HOME = JOB.arm, JOB.home.tolist()
 
 
 @pytest.fixture
@@ -43,15 +49,15 @@ def test_a_good_cell(cell: CellCopy) -> None:
 def test_the_estimate_is_a_little_above_the_simulated_time(name: str, example_run: Callable[[str], Path]) -> None:
     """Without blending it must be longer; joints and lines are planned alike."""
     path = EXAMPLE.parent / name / "cell.toml"
-    machine, failures = rehearse(load_job(load_cell(path), path))
-    assert failures == []
+    done = rehearsed(path)
+    assert done.failures == ()
     simulated = json.loads((example_run(name) / "summary.json").read_text("utf-8"))["simulated_time_s"]
-    assert simulated < machine.time() < 1.4 * simulated
+    assert simulated < done.machine.time() < 1.4 * simulated
 
 
 def test_the_rehearsal_ends_where_the_program_ends() -> None:
-    machine, _ = rehearse(load_job(CELL, EXAMPLE / "cell.toml"))
-    np.testing.assert_allclose(machine.joints(), CELL.arm.home, atol=1e-12)
+    machine = rehearsed(EXAMPLE / "cell.toml").machine
+    np.testing.assert_allclose(machine.joints(), HOME, atol=1e-12)
     assert machine.said[-3:] == ["small: 18", "medium: 2", "large: 4"]
 
 
@@ -138,7 +144,7 @@ def taught(folder: Path, program: str, locations: str) -> list[str]:
     (folder / "p.arps").write_text(program if ".PROGRAM" in program else f".PROGRAM p()\n{program}\n.END\n", "utf-8")
     file = folder / "p.loc"
     file.write_text(locations, "utf-8")
-    return list(taught_problems(ARM, CELL.arm.home, load_program(folder / "p.arps"), file))
+    return list(taught_problems(ARM, HOME, load_program(folder / "p.arps"), file))
 
 
 FAR = "far = 5000, 0, 300, 0, 180, 0\n"

@@ -14,10 +14,11 @@ import pytest
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
-from holonom.app.arm.camera import calibrate, placement_pose
+from holonom.app.cell import load_cell
+from holonom.app.cell.camera import calibrate
+from holonom.app.cell.places import placement_pose
 from holonom.app.cli import main
 from holonom.app.recording import Recording, read_recording
-from holonom.app.short_cell import load_cell
 from holonom.model import preset
 from holonom.spatial import inverse
 from holonom.vision import to_pixel
@@ -43,7 +44,7 @@ def recording(folder: Path) -> Recording:
 @pytest.fixture(scope="module")
 def coins(recording: Recording) -> dict[str, np.ndarray]:
     """Every coin's place at the start and at the end, in the table frame, m: (2, 3)."""
-    to_table = inverse(placement_pose(CELL.table.pose))
+    to_table = inverse(placement_pose(CELL.surface[0].pose))
     ends = {name: track.poses()[[0, -1]] for name, track in recording.frames.items() if name.startswith("coin")}
     return {name: (to_table @ poses)[:, :3, 3] for name, poses in ends.items()}
 

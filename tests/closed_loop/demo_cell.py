@@ -7,19 +7,19 @@ from pathlib import Path
 
 import numpy as np
 
-from holonom.app.arm.assembly import build_arm, line_settings
-from holonom.app.short_cell import load_cell
+from holonom.app.cell import load_cell
+from holonom.app.cell.build import build_job
 from holonom.closed_loop import ArmLoop, SimulatedArm
 from holonom.lang import Configuration, Motion, Part, Program, Status, start, step
 from holonom.machine import ArmMachine, ControlSettings, DryMachine
 from holonom.sim import Disc, Fingers, Gripper, Ground, Surface, World
 from holonom.spatial import pose
 
-CELL = load_cell(Path(__file__).resolve().parents[2] / "examples" / "01_sort_coins" / "cell.toml")
-ARM = build_arm(CELL)
-HOME = np.array(CELL.arm.home)
+FILE = Path(__file__).resolve().parents[2] / "examples" / "01_sort_coins" / "cell.toml"
+JOB = build_job(load_cell(FILE), FILE).arms[0]
+ARM, HOME = JOB.arm, JOB.home
 DOWN = np.diag([1.0, -1.0, -1.0])
-LINES = line_settings(CELL)
+LINES = JOB.line
 
 
 class ListSink:

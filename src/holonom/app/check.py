@@ -6,10 +6,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from holonom.app.answer import Answer
-from holonom.app.short_cell import ArmCell, load_cell
 from holonom.errors import InputError
 
-__all__ = ["check_file"]
+__all__ = ["check_file", "check_program"]
 
 
 def check_file(path: Path) -> Answer:
@@ -29,27 +28,33 @@ def check_file(path: Path) -> Answer:
     return check(path)
 
 
+def check_program(path: Path) -> Answer:
+    """Check a program (.arps) by compiling it.
+
+    Raises
+    ------
+    ProgramError
+        All that was found, a line each.
+    """
+    from holonom.lang import load_program
+
+    program = load_program(path)
+    names = ", ".join(routine.name for routine in program.routines)
+    warnings = [warning.render() for warning in program.warnings]
+    lines = [f"{path}: no errors; programs: {names}", *(f"warning: {warning}" for warning in warnings)]
+    return Answer("\n".join(lines), {"file": program.file, "kind": "program", "warnings": warnings})
+
+
 def _what_came(path: Path) -> str:
     if path.is_dir():
         return "a folder"
     return f"a file of type {path.suffix!r}" if path.suffix else "a file without an ending"
 
 
-def _program(path: Path) -> Answer:
-    from holonom.app.arm.check import check_program
-
-    return check_program(path)
-
-
 def _cell(path: Path) -> Answer:
-    cell = load_cell(path)
-    if isinstance(cell, ArmCell):
-        from holonom.app.arm.check import check_arm
+    from holonom.app.cell.check import check_cell
 
-        return check_arm(cell, path)
-    from holonom.app.base.check import check_base
-
-    return check_base(cell, path)
+    return check_cell(path)
 
 
-_CHECKS: Mapping[str, Callable[[Path], Answer]] = {".arps": _program, ".toml": _cell}
+_CHECKS: Mapping[str, Callable[[Path], Answer]] = {".arps": check_program, ".toml": _cell}

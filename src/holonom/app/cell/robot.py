@@ -101,8 +101,7 @@ def _drives(given: Any, info: ValidationInfo) -> Any:
         return WheelDrive.model_validate(given, context=info.context)
     if isinstance(given, Mapping):
         return (JointDrive.model_validate(given, context=info.context),)
-    found = _JOINT_DRIVES.validate_python(given, context=info.context)
-    return found
+    return _JOINT_DRIVES.validate_python(given, context=info.context)
 
 
 _JOINT_DRIVES: TypeAdapter[tuple[JointDrive, ...]] = TypeAdapter(Annotated[tuple[JointDrive, ...], Field(min_length=1)])
@@ -180,7 +179,7 @@ class Robot(Section):
         str | WheelDrive | tuple[JointDrive, ...] | None,
         Read(_drives, ({"enum": ["ideal", "from_limits"]}, WheelDrive, JointDrive, tuple[JointDrive, ...])),
     ] = None
-    """motor, gear and encoder of its joints or wheels; or "ideal"; or "from_limits"; what its model states unless given"""
+    """motor, gear and encoder of joints or wheels, or "ideal", or "from_limits"; what its model states unless given"""
     pose: Placement | None = None
     """where it stands, in the world or in the frame that `on` names; a base starts there"""
     on: Annotated[str, Strict(), Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*(\.[A-Za-z][A-Za-z0-9_]*)?$")] | None = None

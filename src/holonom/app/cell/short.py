@@ -70,7 +70,7 @@ def _check_together(data: Mapping[str, Any]) -> None:
     robots = [key for key in ("arm", "base") if key in data]
     if len(robots) == 2:
         raise CellError(
-            "tables [arm] and [base] came; a cell has one of them: make each a [[robot]], or give the other its own file"
+            "tables [arm] and [base] came; a cell has one of them; make each a [[robot]], or give the other a file"
         )
     if robots and "robot" in data:
         raise CellError(f"tables [{robots[0]}] and [[robot]] came; make each a [[robot]]")
