@@ -213,7 +213,7 @@ def test_a_base_that_stops_says_so(tmp_path: Path, capsys: pytest.CaptureFixture
     assert said["outcome"] == "failed"
     assert 0.05 < said["path_driven"] < 0.9
     told = capsys.readouterr().err
-    assert "a wheel is jammed" in told
+    assert "stopped with a jammed wheel after" in told
     assert "% of the path" in told
     assert 'class="outcome bad"' in (tmp_path / "out" / "report.html").read_text("utf-8")
 
@@ -222,7 +222,7 @@ def test_a_run_longer_than_its_time_says_so(tmp_path: Path) -> None:
     changes = (FAULT, FAULT.replace("13s", "2s")), ('time_limit = "60s"', 'time_limit = "11.5s"')
     status, said = run_edited(tmp_path, *changes)
     assert status == 1
-    assert "time_limit is 11.5 s" in said["failure"]
+    assert "not done after 11.5 s of simulated time, the cell's time_limit" in said["failure"]
 
 
 @pytest.mark.parametrize(
