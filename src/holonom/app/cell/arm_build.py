@@ -228,8 +228,8 @@ def _with_limits(arm: Arm, home: Array) -> tuple[Arm, tuple[str, ...]]:
             limits = dataclasses.replace(limits, speed=SLOW.get(joints[i].kind, SLOW_TURN))
             slow.append(name)
         if not (0.0 < limits.acceleration < math.inf):
-            torque = 0.5 * limits.torque / b if 0.0 < limits.torque < math.inf and b < math.inf else math.inf
-            limits = dataclasses.replace(limits, acceleration=min(limits.speed / RUN_UP, torque))
+            most = 0.5 * limits.torque / b if 0.0 < limits.torque < math.inf and 0.0 < b < math.inf else math.inf
+            limits = dataclasses.replace(limits, acceleration=min(limits.speed / RUN_UP, most))
             eager.append(name)
         joints[i] = dataclasses.replace(joints[i], limits=limits)
     if not slow and not eager:
