@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,13 +14,17 @@ from holonom.app.cell import load_cell
 from holonom.app.cell.build import build_job, refuse_unsimulated
 from holonom.app.interrupts import Interrupts
 from holonom.app.job import Job
-from holonom.app.output import RECORDING, RunFolder
+from holonom.app.output import RECORDING, REPORT, SUMMARY, RunFolder
 from holonom.app.progress import Progress
 from holonom.app.recording import Recorder
 from holonom.app.recording.robot import base_words
 from holonom.app.report.attached import OUTCOME, ending_words
 from holonom.app.report.attachments import attachments_of
+from holonom.app.report.reporting import report_html
+from holonom.app.report.source import source_of
+from holonom.app.report.summary import summary_of
 from holonom.app.rig import Ended, Ending, Rig, simulated
+from holonom.app.run_text import run_text
 from holonom.errors import ProgramError
 
 __all__ = ["run_cell"]
@@ -84,10 +89,15 @@ def run_cell(
     with Interrupts() as interrupts, RunFolder(output, recordings=[plan.file for plan in plans]) as folder:
         runs = []
         for plan in plans:
-            runs.append(_run(plan, folder, interrupts, quiet=quiet, say=say))
+            typed = say if not runs else _silent
+            runs.append(_run(plan, folder, interrupts, quiet=quiet, say=typed))
             if runs[-1].ended.ending not in (Ending.DONE, Ending.PAUSED):
                 break
         return _tell(runs, folder)
+
+
+def _silent(text: str) -> None:
+    """Programs type in every run; once is enough to see."""
 
 
 def plans_of(job: Job) -> list[Plan]:
@@ -122,7 +132,7 @@ def _run(plan: Plan, folder: RunFolder, interrupts: Interrupts, *, quiet: bool, 
     job = plan.job
     loops = simulated(job, [arm.settings[plan.controller] for arm in job.arms])
     loops.warm_up()
-    words = {}
+    words: dict[str, dict[str, str]] = {}
     for base in job.bases:
         encoder = base.drive.encoder
         words |= base_words(base.base, encoder.counts_per_rev, base.drive.gear.ratio, robot=base.name)
@@ -155,6 +165,22 @@ def expected_time(job: Job) -> float | None:
 
 
 def _tell(runs: list[Done], folder: RunFolder) -> Answer:
-    """Make summary and report from the recordings; say, or raise, how it went."""
-    ended = runs[-1].ended
-    return Answer(f"{ended.ending}: {ended.reason}", {"simulated_time_s": runs[0].ended.time})
+    """Make summary and report from the recordings; say, or raise, how it went.
+
+    Raises
+    ------
+    RunError
+        A run failed, or the report could not be written.
+    KeyboardInterrupt
+        The operator stopped it.
+    """
+    source = source_of(folder.path / RECORDING)
+    summary = summary_of(source) | {"real_time_factor": round(runs[0].pace, 1)}
+    folder.write(SUMMARY, json.dumps(summary, indent=2, allow_nan=False) + "\n")
+    folder.write(REPORT, report_html(source))
+    text, last = run_text(summary, folder.path), runs[-1].ended
+    if last.ending is Ending.FAILED and last.fault is not None:
+        raise type(last.fault)(f"{text}\n  what was recorded until then is in {folder.path}") from last.fault
+    if last.ending is Ending.STOPPED:
+        raise KeyboardInterrupt
+    return Answer(text, summary)

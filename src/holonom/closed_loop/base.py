@@ -25,7 +25,7 @@ from holonom.sim.base.plant import TICK, BaseFault, BasePlant
 from holonom.sim.base.records import BODY_SAMPLE, WHEEL_SAMPLE
 from holonom.trace.simd import WIDTH
 
-__all__ = ["BaseLoop", "driven_part", "simulate_base"]
+__all__ = ["BaseLoop", "DrivenPart", "simulate_base"]
 
 Array = NDArray[np.float64]
 
@@ -130,7 +130,7 @@ def simulate_base(
     controller.follow_path(reference)
     log = _whole(loop, len(reference))
     time, ended = TICK * np.arange(len(log.body), dtype=np.float64), ENDINGS[controller.ending]
-    driven = driven_part(path, float(controller.state["phase"][0]))
+    driven = DrivenPart(path)(float(controller.state["phase"][0]))
     events = [Event(f.time, "warning", "plant", _fault_text(f, plant)) for f in faults]
     events += _ending_events(ended, driven, float(time[-1]))
     residual = controller.params.residual * controller.radii
@@ -149,16 +149,22 @@ def _whole(loop: BaseLoop, length: int) -> LogBuffer:
     return logs[0] if len(logs) == 1 else joined(logs)
 
 
-def driven_part(path: ReferencePath, phase: float) -> float:
+class DrivenPart:
     """Part of a path's length (of its turn, on the spot; else of its time) before a phase in samples."""
-    if phase >= len(path.pose) - 1:
-        return 1.0
-    steps = np.abs(np.diff(path.pose, axis=0))
-    for length in (np.hypot(steps[:, 0], steps[:, 1]), steps[:, 2], np.ones(len(steps))):
-        if (total := float(length.sum())) > 0.0:
-            gone = np.concatenate([[0.0], np.cumsum(length)])
-            return float(np.interp(phase, np.arange(len(gone)), gone)) / total
-    return 1.0
+
+    def __init__(self, path: ReferencePath) -> None:
+        steps = np.abs(np.diff(path.pose, axis=0))
+        lengths = (np.hypot(steps[:, 0], steps[:, 1]), steps[:, 2], np.ones(len(steps)))
+        gone = np.cumsum(next(length for length in lengths if length.sum() > 0.0 or length is lengths[-1]))
+        self._last = len(steps)
+        self._at = np.unique(np.append(np.arange(0, self._last, 50), self._last))
+        self._gone = np.append(0.0, gone)[self._at]
+
+    def __call__(self, phase: float) -> float:
+        """Return the part, 0 to 1."""
+        if phase >= self._last or self._gone[-1] <= 0.0:
+            return 1.0
+        return float(np.interp(phase, self._at, self._gone) / self._gone[-1])
 
 
 def _ending_events(ended: str, driven: float, time: float) -> list[Event]:

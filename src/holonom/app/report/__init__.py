@@ -14,9 +14,9 @@ Sections
     `Phase` (two controllers on one path).
 Inside
     `facts` (what a recording says of its cell), `source` (a recording, read), `section_table` and `section` (a file for
-    each), `base_findings`, `tracking`, `peaks` (what came of it), `embed` (numbers for the page, packed),
-    `parts`, `sections`, `comparison`, `polar`, `topview` (their HTML), `page` (the whole), `assets` (script, style, bundled
-    libraries; `tools/bundle_report_assets.sh` rebuilds those).
+    each), `base_findings`, `tracking`, `peaks` (what came of it), `embed` (numbers for the page, packed), `parts`,
+    `sections`, `comparison`, `polar`, `topview` (their HTML), `page` (the whole), `assets` (script, style, libraries,
+    which `tools/bundle_report_assets.sh` bundles).
 """
 
 from holonom.app.report.arms import arm_shapes, gripper_shapes

@@ -176,9 +176,10 @@ def path_error(motion: Motion | None, phase: Phase) -> PathError | None:
     within = (motion.time >= phase.start) & (motion.time <= phase.end)
     if not within.any():
         return None
-    error = motion.error[within]
-    believed = np.hypot(*(motion.believed - motion.reference)[within, :2].T)
-    turn = (motion.true - motion.reference)[within, 2]
+    true, reference = motion.true[within], motion.reference[within]
+    error = np.hypot(*(true - reference)[:, :2].T)
+    believed = np.hypot(*(motion.believed[within] - reference)[:, :2].T)
+    turn = (true - reference)[:, 2]
     heading = np.abs((turn + np.pi) % (2.0 * np.pi) - np.pi)
     return PathError(float(np.sqrt(np.mean(error**2))), float(error.max()), float(believed.max()), float(heading.max()))
 

@@ -36,7 +36,8 @@ def inferred_scene(frames: Mapping[str, FrameTrack]) -> Scene:
     shapes = [shape for names in robots.values() for shape in _robot(names, frames, size)]
     centre = 0.5 * (low + high)
     extent = float(max(np.abs([low, high])[:, :2].max() + 0.3 * size, 0.5))
-    return Scene(tuple(shapes), _views(centre, size), tool=_tool(frames), trail=1e3, extent=extent)
+    views = _views(centre, size, _first(frames, "base_link"))
+    return Scene(tuple(shapes), views, tool=_tool(frames), trail=1e3, extent=extent)
 
 
 def _room(frames: Mapping[str, FrameTrack]) -> tuple[Array, Array]:
@@ -46,11 +47,13 @@ def _room(frames: Mapping[str, FrameTrack]) -> tuple[Array, Array]:
 
 
 def _tool(frames: Mapping[str, FrameTrack]) -> str:
-    for wanted in ("tool", "base_link"):
-        found = [name for name in frames if name.rpartition("/")[2] == wanted]
-        if found:
-            return found[0]
-    return max(frames, key=lambda name: float(np.ptp(frames[name].position, axis=0).sum()))
+    most = max(frames, key=lambda name: float(np.ptp(frames[name].position, axis=0).sum()))
+    return _first(frames, "tool") or _first(frames, "base_link") or most
+
+
+def _first(frames: Mapping[str, FrameTrack], wanted: str) -> str | None:
+    """Full name of the first frame that a robot calls so."""
+    return next((name for name in frames if name.rpartition("/")[2] == wanted), None)
 
 
 def _robot(names: Sequence[str], frames: Mapping[str, FrameTrack], size: float) -> list[Shape]:
@@ -136,10 +139,12 @@ def _axes(frame: str, length: float) -> list[Shape]:
     ]
 
 
-def _views(centre: Array, size: float) -> tuple[View, ...]:
+def _views(centre: Array, size: float, base: str | None) -> tuple[View, ...]:
     x, y, z = map(float, centre)
-    d = 0.6 + size
+    d = 0.4 + 0.8 * size
+    beside = (View("Beside it", (-1.0, -1.0, 0.7), (0.0, 0.0, 0.05), follow=base),) if base is not None else ()
     return (
-        View("Overview", (x + 0.9 * d, y - 1.1 * d, z + 0.8 * d), (x, y, z)),
-        View("From above", (x, y - 0.01, z + 2.0 * d), (x, y, z)),
+        View("Overview", (x + 0.8 * d, y - 1.1 * d, z + 0.8 * d), (x, y, z)),
+        *beside,
+        View("From above", (x, y - 0.01, z + 1.8 * d), (x, y, z)),
     )

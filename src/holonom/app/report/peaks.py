@@ -71,9 +71,9 @@ def _sampled(recording: Recording, count: int) -> dict[str, Array]:
     drives = recording.drives
     tracks = {"speed": joints.velocity, "torque": joints.effort, "current": drives.current, "voltage": drives.voltage}
     reference = recording.reference
-    if len(reference.time) and recording.joints.position.shape[1] == count:
-        wanted = [np.interp(recording.joints.time, reference.time, column) for column in reference.position.T]
-        tracks["error"] = np.stack(wanted, axis=1) - recording.joints.position
+    if len(reference.time) and joints.position.shape[1] == count:
+        wanted = [np.interp(joints.time, reference.time, column) for column in reference.position.T]
+        tracks["error"] = np.stack(wanted, axis=1) - joints.position
     held = {name: values for name, values in tracks.items() if values.shape[1:] == (count,) and len(values)}
     found = {name: np.abs(values).max(axis=0) for name, values in held.items()}
     if "error" in found:

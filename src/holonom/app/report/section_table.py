@@ -25,6 +25,7 @@ REPORT_SECTIONS = Table(
     "section of a report",
     "a `Section`: whether it applies to a recording, and its parts",
     {
+        "robots": "holonom.app.report.section.robots:SECTION",
         "comparison": "holonom.app.report.section.comparison:SECTION",
         "path": "holonom.app.report.section.path:SECTION",
         "faults": "holonom.app.report.section.faults:SECTION",
@@ -32,7 +33,6 @@ REPORT_SECTIONS = Table(
         "curves": "holonom.app.report.section.curves:SECTION",
         "photograph": "holonom.app.report.section.photograph:SECTION",
         "limits": "holonom.app.report.section.limits:SECTION",
-        "robots": "holonom.app.report.section.robots:SECTION",
         "log": "holonom.app.report.section.log:SECTION",
     },
 )

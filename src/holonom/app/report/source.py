@@ -15,7 +15,7 @@ from holonom.app.report.inferred_scene import inferred_scene
 from holonom.app.report.rebased import rebased
 from holonom.app.report.scene import Scene
 from holonom.app.report.sections import PhotoOverlay
-from holonom.signals import TOPICS, Event, Topic
+from holonom.signals import TOPICS, Event
 
 __all__ = ["BARE", "RobotSource", "Source", "source_of"]
 
@@ -23,6 +23,10 @@ BARE = "without_handling"
 """The run of a base without slip detection and watch over its motors."""
 UNUSED = ("/tf", "/truth/tool_pose", "/measured/encoder_counts", "/imu")
 """Topics that no section shows; an hour of them is not read."""
+COMPARED = (
+    "/joint_states", "/truth/joint_states", "/commanded/joint_states", "/odom", "/commanded/odom", "/truth/odom", "/rosout", "/signals/{number}",
+)  # fmt: skip
+"""Topics that are compared between runs."""
 FATAL = ("simulation", "drive", "program", "operator")
 """Sources of events that end a run."""
 
@@ -76,13 +80,16 @@ class Source:
 def source_of(path: str | Path, *, beside: bool = True) -> Source:
     """Read a recording, and those in its folder that are of the same cell and seed (`recording_<name>.mcap`).
 
+    Without `beside` it is one of those itself: only what is compared is read.
+
     Raises
     ------
     InputError
         It is missing, no MCAP recording, or damaged; what it says of its cell cannot be read.
     """
     path = Path(path)
-    recordings = {name: rebased(recording) for name, recording in read_robots(path, topics=_topics()).items()}
+    wanted = [topic for topic in TOPICS if (topic.name not in UNUSED if beside else topic.name in COMPARED)]
+    recordings = {name: rebased(recording) for name, recording in read_robots(path, topics=wanted).items()}
     whole = _with_base_frames(recordings[""])
     cell = cell_of(whole)
     ending = ending_of(whole) or _guessed(whole)
@@ -101,10 +108,6 @@ def source_of(path: str | Path, *, beside: bool = True) -> Source:
     )
     scene = _drawable(recorded_scene(whole), whole) or inferred_scene(whole.frames)
     return Source(whole, known, cell is not None, ending, scene, robots, photograph_of(whole))
-
-
-def _topics() -> tuple[Topic, ...]:
-    return tuple(topic for topic in TOPICS if topic.name not in UNUSED)
 
 
 def _others(path: Path, cell: CellFacts) -> dict[str, Source]:

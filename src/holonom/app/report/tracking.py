@@ -23,7 +23,8 @@ __all__ = ["arm_of", "compared", "tracking_table"]
 def compared(robot: RobotSource) -> Comparison | None:
     """Tool paths of an arm under the controllers of runs beside it and its own, the last; None where there are none.
 
-    The desired path is that of the joint references, the actual one that of the measured joints.
+    The desired path is that of the joint references, the actual one that of the true joints, where they
+    are known, else of the measured ones.
     """
     runs = [*robot.beside.values(), robot]
     if len(runs) < 2 or robot.facts.arm is None or not robot.facts.arm.fixed:
@@ -72,9 +73,10 @@ def _tracked(recording: Recording, arm: Arm) -> bool:
 
 
 def _run(name: str, recording: Recording, arm: Arm) -> ComparedRun:
-    time, reference = recording.joints.time, recording.reference
+    joints = recording.true_joints if len(recording.true_joints.time) else recording.joints
+    time, reference = joints.time, recording.reference
     wanted = _at(time, reference.time, reference.position)
-    desired, actual = (arm.fk(q)[:, :3, 3] for q in (wanted, recording.joints.position))
+    desired, actual = (arm.fk(q)[:, :3, 3] for q in (wanted, joints.position))
     return ComparedRun(name.replace("_", " "), time, desired, actual, _phases(recording))
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from holonom.app.job import BaseJob
 from holonom.app.rig.base_records import BaseRecords
 from holonom.closed_loop import BaseLoop
-from holonom.closed_loop.base import driven_part
+from holonom.closed_loop.base import DrivenPart
 from holonom.closed_loop.base_words import BaseWords
 from holonom.errors import DriveFault
 from holonom.machine import BaseController, Creep
@@ -86,13 +86,21 @@ class BaseRig:
         self._alone, self._log = alone, loop.buffer(0)
         self._began: float | None = None
         self._ended, self._stopping = False, False
-        self.driven = 0.0
-        """Part of its path that it has driven, 0 to 1."""
+        self._part = DrivenPart(job.task.path) if job.task.path is not None else None
 
     @property
     def done(self) -> bool:
         """Whether its task is at its end."""
         return self._ended
+
+    @property
+    def driven(self) -> float | None:
+        """Part of its path that it has driven, 0 to 1; None without one."""
+        if self._part is None:
+            return None
+        if self._began is None:
+            return 0.0
+        return 1.0 if self._ended else self._part(float(self.loop.controller.state["phase"][0]))
 
     @property
     def paused(self) -> bool:
@@ -194,20 +202,15 @@ class BaseRig:
 
     def _path_ended(self) -> None:
         """At the end of its path it holds; stopped on the way it has failed."""
-        controller = self.loop.controller
-        stopped = controller.ending == STOPPED
-        reason = self._cut("stopped with a jammed wheel") if stopped else ""
-        controller.hold()
-        if stopped and not self._stopping:
-            raise DriveFault(reason)
-        self.driven = 1.0
-        self._end("path driven")
+        stopped = self.loop.controller.ending == STOPPED
+        self.loop.controller.hold()
+        if not stopped:
+            self._end("path driven")
+        elif not self._stopping:
+            raise DriveFault(self._cut("stopped with a jammed wheel"))
 
     def _cut(self, what: str, why: str = "") -> str:
-        path = self.job.task.path
-        assert path is not None
-        self.driven = driven_part(path, float(self.loop.controller.state["phase"][0]))
-        return f"{what} after {100.0 * self.driven:.0f} % of the path{why}"
+        return f"{what} after {100.0 * (self.driven or 0.0):.0f} % of the path{why}"
 
     def _end(self, what: str) -> None:
         self._ended = True

@@ -220,7 +220,7 @@ class Rig:
             for name, arm in self.arms.items()
         }
         numbers = {name: {"contact_force": float(arm.loop.touch)} for name, arm in self.arms.items()}
-        numbers |= {name: {"path_driven": base.driven} for name, base in self.bases.items() if base.job.task.path}
+        numbers |= {name: {"path_driven": base.driven} for name, base in self.bases.items() if base.driven is not None}
         return EndingFacts(str(ended.ending), ended.reason, ended.time, joints, numbers)
 
 

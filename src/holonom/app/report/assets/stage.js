@@ -141,7 +141,8 @@ class Stage {
     this.renderer.shadowMap.type = vendor.PCFShadowMap;
     this.renderer.shadowMap.autoUpdate = false; // shadows change with time, not with the camera
     this.scene = new vendor.Scene();
-    this.camera = new vendor.PerspectiveCamera(38, 1, 0.02, 30);
+    const room = Math.max(1, data.scene.extent / 4); // a wide room needs farther eyes, of which near things suffer
+    this.camera = new vendor.PerspectiveCamera(38, 1, 0.02 * room, 30 * room);
     this.camera.up.set(0, 0, 1);
     this.orbit = new vendor.OrbitControls(this.camera, canvas);
     this.orbit.addEventListener("change", () => this.draw());
@@ -170,10 +171,11 @@ class Stage {
     sun.shadow.normalBias = 0.004;
     Object.assign(sun.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 0.4, far: 5.5 * reach });
     this.scene.add(sun, sun.target);
+    const wide = Math.max(6, 2 * Math.ceil(data.scene.extent));
     const floor = new vendor.Mesh(
-      new vendor.PlaneGeometry(12, 12), new vendor.ShadowMaterial({ opacity: 0.16 }));
+      new vendor.PlaneGeometry(wide * 2, wide * 2), new vendor.ShadowMaterial({ opacity: 0.16 }));
     floor.receiveShadow = true;
-    const grid = new vendor.GridHelper(6, 24, "#c3ccd8", "#d9e0e8");
+    const grid = new vendor.GridHelper(wide, wide > 6 ? wide : 24, "#c3ccd8", "#d9e0e8");
     grid.rotation.x = Math.PI / 2;
     grid.position.z = -0.001;
     this.scene.add(floor, grid);

@@ -12,7 +12,7 @@ from holonom.registry import OWN, Method
 
 __all__ = ["SECTION"]
 
-SAMPLED = "Largest value in the recording's samples against its limit; the run itself was not there to say more."
+SAMPLED = "Largest value among the recording's samples against its limit; what was briefer is not in it."
 
 
 def _parts(source: Source) -> Sequence[LimitTable]:

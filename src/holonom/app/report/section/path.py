@@ -17,6 +17,8 @@ __all__ = ["SECTION"]
 
 REFERENCE, TRUE, BELIEVED, OTHER = "#16202e", "#0f766e", "#8f7ae0", "#f0a37f"
 PATCH, MARK = "#bfe3f5", "#b3261e"
+MARKS, ROWS = 40, 200
+"""Marks on a map and rows of the table; more cannot be read."""
 NOTE = (
     "Distance of the true pose from where the reference is at the same instant. The controller knows its pose by dead "
     "reckoning only; what it believes its error to be is the believed peak, the rest is drift."
@@ -58,10 +60,6 @@ def _marks(found: BaseFindings, motion: Motion) -> list[MapMark]:
     return [MapMark(text, _place(motion, time), MARK) for text, time in what[:MARKS]]
 
 
-MARKS = 40
-"""Marks on a map; more cannot be read."""
-
-
 def _place(motion: Motion, time: float) -> tuple[float, float]:
     k = min(int(np.searchsorted(motion.time, time)), len(motion.time) - 1)
     return float(motion.true[k, 0]), float(motion.true[k, 1])
@@ -69,7 +67,7 @@ def _place(motion: Motion, time: float) -> tuple[float, float]:
 
 def _table(found: BaseFindings, motion: Motion, bare: Motion | None) -> Table:
     head = ("phase", "from", "to", "rms", "peak", "peak, believed", "heading, peak")
-    rows = [_row(phase, motion, bare) for phase in found.phases]
+    rows = [_row(phase, motion, bare) for phase in found.phases[:ROWS]]
     return Table((*head, "peak without handling") if bare is not None else head, rows)
 
 

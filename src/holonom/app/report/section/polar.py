@@ -34,9 +34,12 @@ def _section(robot: RobotSource) -> Figures | None:
     if facts is None or facts.mass is None:
         return None
     dead = [motor.wheel for motor in findings_of(robot.recording, robot.facts).dead if motor.reached]
+    base = _base(robot.facts, facts)
     try:
-        figures = _figures(_base(robot.facts, facts), facts, dead)
-    except InputError:  # wheels that cannot drive in all directions
+        if np.linalg.matrix_rank(base.velocity_coupling, tol=1e-9) < 3:  # it cannot drive in all directions
+            return None
+        figures = _figures(base, facts, dead)
+    except InputError:  # steered wheels have no constant coupling
         return None
     return Figures(robot.key("polar"), robot.called("What the drive can do"), figures, NOTE)
 
