@@ -15,7 +15,6 @@ from holonom.app.cell.build import build_job
 from holonom.app.cell.rehearse import Rehearsal, rehearse
 from holonom.app.cell.taught import taught_problems
 from holonom.app.cli import main
-from holonom.app.short_cell import load_cell
 from holonom.lang import load_program
 
 

@@ -102,7 +102,7 @@ def _drives(given: Any, info: ValidationInfo) -> Any:
     if isinstance(given, Mapping):
         return (read_form(JointDrive, given),)
     if not isinstance(given, list | tuple) or not given:
-        raise CellError(f"{given!r} came; \"ideal\", \"from_limits\", a table or a list of tables is expected")
+        raise CellError(f'{given!r} came; "ideal", "from_limits", a table or a list of tables is expected')
     faults = Faults()
     found = [faults.call((number,), read_form, JointDrive, table) for number, table in enumerate(given)]
     faults.raise_any()
