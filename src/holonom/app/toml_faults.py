@@ -15,7 +15,7 @@ from pydantic_core import ErrorDetails
 from holonom.app.toml_lines import KeyPath, key_lines
 from holonom.errors import InputError, UnknownName
 
-__all__ = ["line_of", "parse_toml", "worded_faults", "written_key"]
+__all__ = ["explained", "line_of", "parse_toml", "worded_faults", "written_key"]
 
 _EXPECTED = {
     "int_type": "a whole number is expected",
@@ -74,7 +74,7 @@ def worded_faults(
     """
     lines = key_lines(text)
     told = [fault for fault in faults if not _follows(fault, faults)]
-    placed = [(place(tuple(fault["loc"])), _explain(model, fault, also)) for fault in told]
+    placed = [(place(tuple(fault["loc"])), explained(model, fault, also)) for fault in told]
     located = sorted((line_of(at, lines), written_key(at), explanation) for at, explanation in placed)
     return "\n".join(f"{path}:{line}: {key}: {explanation}" for line, key, explanation in located)
 
@@ -97,8 +97,10 @@ def written_key(loc: KeyPath) -> str:
     return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in loc).removeprefix(".")
 
 
-def _explain(model: type[BaseModel], fault: ErrorDetails, also: Mapping[KeyPath, Sequence[str]]) -> str:
-    """Say what came, what is expected and what to do."""
+def explained(
+    model: type[BaseModel], fault: ErrorDetails, also: Mapping[KeyPath, Sequence[str]] = MappingProxyType({})
+) -> str:
+    """Say what came, what is expected and what to do; arguments as for `worded_faults`."""
     context, came = fault.get("ctx", {}), fault["input"]
     match fault["type"]:
         case "value_error":

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.app.base.assembly import BaseJob
-from holonom.app.base.scene import wheel_frames, wheel_poses
 from holonom.app.base.uncertainty import uncertainty
 from holonom.app.recording import Recorder
 from holonom.app.recording.robot import base_words
+from holonom.app.wheel_frames import wheel_frames, wheel_poses
 from holonom.closed_loop import BaseLog
 from holonom.control.base_uncertainty import covariance_along
 from holonom.mobile import SlipStatus, WheelBase

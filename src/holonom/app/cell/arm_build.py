@@ -34,6 +34,8 @@ __all__ = ["ArmBuild", "build_arm_job"]
 Array = NDArray[np.float64]
 RUN_UP = 0.25
 """s in which a joint without an acceleration limit reaches its speed limit, where its torque allows."""
+BESIDE = 0.01
+"""Part of a joint's range by which a home that nobody states keeps away from its limits."""
 SLOW = {"prismatic": 0.25}
 """Speed limit of a joint that states none, m/s; of others `SLOW_TURN`."""
 SLOW_TURN = 1.0  # rad/s
@@ -144,7 +146,9 @@ def _home(robot: Robot) -> tuple[float, ...]:
         if name in model.poses:
             return model.poses[name]
     limits = Arm(model).limits
-    return tuple(float(q) for q in np.clip(np.zeros(len(limits.names)), limits.lower, limits.upper))
+    span = limits.upper - limits.lower
+    room = np.where(np.isfinite(span), BESIDE * span, 0.0)
+    return tuple(float(q) for q in np.clip(np.zeros(len(span)), limits.lower + room, limits.upper - room))
 
 
 def _driven(
@@ -228,23 +232,27 @@ def _with_limits(arm: Arm, home: Array) -> tuple[Arm, tuple[str, ...]]:
             limits = dataclasses.replace(limits, speed=SLOW.get(joints[i].kind, SLOW_TURN))
             slow.append(name)
         if not (0.0 < limits.acceleration < math.inf):
-            torque = 0.5 * limits.torque / b if 0.0 < limits.torque < math.inf and b < math.inf else math.inf
-            limits = dataclasses.replace(limits, acceleration=min(limits.speed / RUN_UP, torque))
+            most = 0.5 * limits.torque / b if 0.0 < limits.torque < math.inf and 0.0 < b < math.inf else math.inf
+            limits = dataclasses.replace(limits, acceleration=min(limits.speed / RUN_UP, most))
             eager.append(name)
         joints[i] = dataclasses.replace(joints[i], limits=limits)
     if not slow and not eager:
         return arm, ()
-    return Arm(dataclasses.replace(arm.model, joints=tuple(joints))), tuple(_assumed(slow, eager))
+    return Arm(dataclasses.replace(arm.model, joints=tuple(joints))), tuple(_assumed(slow, eager, arm.n))
 
 
-def _assumed(slow: list[str], eager: list[str]) -> Iterator[str]:
+def _assumed(slow: list[str], eager: list[str], joints: int) -> Iterator[str]:
     if slow:
-        yield f"no speed limit of {', '.join(slow)} is stated; 1 rad/s (0.25 m/s) is taken"
+        yield f"no speed limit of {_these(slow, joints)} is stated; 1 rad/s (0.25 m/s) is taken"
     if eager:
         yield (
-            f"no acceleration limit of {', '.join(eager)} is stated; taken is what reaches the speed limit in "
+            f"no acceleration limit of {_these(eager, joints)} is stated; taken is what reaches the speed limit in "
             f"{RUN_UP} s, or half the torque limit over the joint's inertia where that is less"
         )
+
+
+def _these(names: list[str], joints: int) -> str:
+    return "its joints" if len(names) == joints else ", ".join(names)
 
 
 def _settings(robot: Robot, limits: ArmLimits, path: Path, at: tuple[str | int, ...]) -> tuple[ControlSettings, ...]:

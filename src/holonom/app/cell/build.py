@@ -18,20 +18,21 @@ from holonom.app.cell.scene import build_scene
 from holonom.app.cell.sensor import Sensor
 from holonom.app.cell.world import Patch
 from holonom.app.job import BaseJob, FieldPlace, Job, Mount, Obstacle, SensorJob, SignalEvent
+from holonom.devices import Accelerometer, CurrentShunt, Gyro
 from holonom.errors import CellError
 from holonom.mobile import BaseSensors
-from holonom.sim import Disc, Floor, Material, RectangularPatch, RoundPatch, Surface
+from holonom.sim import SENSORS, Disc, Floor, Material, RectangularPatch, RoundPatch, Surface
 from holonom.spatial import pose
 
 __all__ = ["build_job", "refuse_unsimulated"]
 
 Array = NDArray[np.float64]
 OF_BASES = {
-    "gyro": {"noise": "gyro_noise", "bias": "gyro_bias"},
-    "accelerometer": {"noise": "accelerometer_noise", "bias": "accelerometer_bias"},
-    "current_shunt": {"noise": "current_noise"},
+    Gyro: {"noise": "gyro_noise", "bias": "gyro_bias"},
+    Accelerometer: {"noise": "accelerometer_noise", "bias": "accelerometer_bias"},
+    CurrentShunt: {"noise": "current_noise"},
 }
-"""Sensors that a base's controller reads, by their parameters: fields of `BaseSensors`."""
+"""Data sheets of the sensors that a base's controller reads, and which of its fields are which of `BaseSensors`."""
 
 
 def build_job(cell: Cell, path: Path) -> Job:
@@ -77,7 +78,8 @@ def build_job(cell: Cell, path: Path) -> Job:
 
 
 def _bases(cell: Cell, path: Path) -> tuple[tuple[BaseJob, ...], tuple[str, ...]]:
-    jobs, notes = [], []
+    jobs: list[BaseJob] = []
+    notes: list[str] = []
     for number, robot in enumerate(cell.robot):
         if not robot.is_arm:
             job, said = build_base_job(cell, number, path, _base_sensors(cell, robot))
@@ -110,7 +112,7 @@ def _base_sensors(cell: Cell, robot: Robot) -> BaseSensors:
     found = {}
     for sensor in cell.sensor:
         if cell.robot_of(sensor.robot) is robot:
-            for key, name in OF_BASES.get(sensor.method.name, {}).items():
+            for key, name in OF_BASES.get(type(sensor.method.params), {}).items():
                 found[name] = getattr(sensor.method.params, key)
     return BaseSensors(**found)
 
@@ -120,7 +122,7 @@ def _sensors(cell: Cell, path: Path) -> tuple[SensorJob, ...]:
     found = []
     for number, sensor in enumerate(cell.sensor):
         robot = cell.robot_of(sensor.robot)
-        if sensor.method.name in OF_BASES and not robot.is_arm:
+        if type(sensor.method.params) in OF_BASES and not robot.is_arm:
             continue
         made = sensor.method.make()
         if not hasattr(made, "read"):
@@ -133,7 +135,8 @@ def _why_not(sensor: Sensor, robot: Robot) -> str:
     what = "an arm" if robot.is_arm else "a base"
     return (
         f"{sensor.method.name!r} cannot be read on {what}: what its table makes has no read(truth); "
-        f"a base takes {', '.join(OF_BASES)}; encoders are stated in drives"
+        f"a base takes {', '.join(name for name in SENSORS if SENSORS[name].record in OF_BASES)}; encoders are stated "
+        "in drives"
     )
 
 

@@ -102,14 +102,14 @@ class Cell(Section):
     def _names_fit(self) -> Cell:
         faults = Faults()
         for key in ("robot", "surface", "part", "obstacle", "patch"):
-            faults.call(lambda key=key: self._each_once(key))
+            faults.call((), self._each_once, key)
         for number, robot in enumerate(self.robot):
-            faults.call(lambda robot=robot: self._check_robot(robot), ("robot", number))
+            faults.call(("robot", number), self._check_robot, robot)
         for number, sensor in enumerate(self.sensor):
-            faults.call(lambda sensor=sensor: self.robot_of(sensor.robot), ("sensor", number, "robot"))
-        faults.call(self._each_sensor_once)
+            faults.call(("sensor", number, "robot"), self.robot_of, sensor.robot)
+        faults.call((), self._each_sensor_once)
         for number, fault in enumerate(self.fault):
-            faults.call(lambda fault=fault: self._check_fault(fault), ("fault", number))
+            faults.call(("fault", number), self._check_fault, fault)
         faults.raise_any()
         return self
 

@@ -45,9 +45,7 @@ class Placement(Section):
         if len(given) != len(_KEYS):
             raise refuse((), f"{len(given)} numbers came; {len(_KEYS)} are needed: {', '.join(_KEYS)}", given)
         faults = Faults()
-        found = [
-            faults.call(lambda k=k: (_LENGTH if k < 3 else _ANGLE).validate_python(given[k]), (k,)) for k in range(6)
-        ]
+        found = [faults.call((k,), (_LENGTH if k < 3 else _ANGLE).validate_python, given[k]) for k in range(len(_KEYS))]
         faults.raise_any()
         x, y, z, roll, pitch, yaw = found
         return cls.model_construct(position=(x, y, z), angle=yaw, roll=roll, pitch=pitch)

@@ -20,7 +20,7 @@ from pydantic_core import core_schema
 
 from holonom.app.cell.drives import ArmLimits, BaseLimits, BaseParts, JointDrive, LevelsTable, WheelDrive
 from holonom.app.cell.places import Placement
-from holonom.app.cell.refusals import Faults, refuse
+from holonom.app.cell.refusals import Faults, read_form, refuse
 from holonom.app.cell.sources import ArmSource, BaseSource, ReadModel, form_schema
 from holonom.app.cell.tasks import PathTable, ProgramTable, SignalNumber, StartTable, TwistTable
 from holonom.app.cell_fields import Quantity, Section, Size
@@ -98,23 +98,25 @@ def _drives(given: Any, info: ValidationInfo) -> Any:
             raise UnknownName("way to drive", given, ("ideal", "from_limits"))
         return given
     if _is_base(info):
-        return WheelDrive.model_validate(given, context=info.context)
+        return read_form(WheelDrive, given)
     if isinstance(given, Mapping):
-        return (JointDrive.model_validate(given, context=info.context),)
-    return _JOINT_DRIVES.validate_python(given, context=info.context)
-
-
-_JOINT_DRIVES: TypeAdapter[tuple[JointDrive, ...]] = TypeAdapter(Annotated[tuple[JointDrive, ...], Field(min_length=1)])
+        return (read_form(JointDrive, given),)
+    if not isinstance(given, list | tuple) or not given:
+        raise CellError(f'{given!r} came; "ideal", "from_limits", a table or a list of tables is expected')
+    faults = Faults()
+    found = [faults.call((number,), read_form, JointDrive, table) for number, table in enumerate(given)]
+    faults.raise_any()
+    return tuple(found)
 
 
 def _limits(given: Any, info: ValidationInfo) -> Any:
-    form = BaseLimits if _is_base(info) else ArmLimits
-    return form.model_validate({} if given is None else given, context=info.context)
+    form: type[BaseLimits] | type[ArmLimits] = BaseLimits if _is_base(info) else ArmLimits
+    return read_form(form, {} if given is None else given)
 
 
 def _controllers(given: Any, info: ValidationInfo) -> Any:
     if _is_base(info):
-        return BaseParts.model_validate({} if given is None else given, context=info.context)
+        return read_form(BaseParts, {} if given is None else given)
     found = _LAWS.validate_python(("computed_torque",) if given is None else given, context=info.context)
     names = [law.name for law in found]
     if len(set(names)) < len(names):
@@ -131,7 +133,8 @@ def _tool(given: Any, info: ValidationInfo) -> Any:
     kind = given.get("kind", "gripper") if isinstance(given, Mapping) else "gripper"
     if kind not in kinds:
         raise refuse(("kind",), UnknownName("tool", str(kind), kinds), kind)
-    return kinds[kind].model_validate(given, context=info.context)
+    form: type[GripperTool] | type[RodTool] = GripperTool if kind == "gripper" else RodTool
+    return read_form(form, given)
 
 
 def _home(given: Any, info: ValidationInfo) -> Any:
@@ -146,7 +149,7 @@ def _home(given: Any, info: ValidationInfo) -> Any:
         raise CellError(f"{len(given)} {what} came; {source.name} has {len(joints)} joints")
     faults = Faults()
     found = [
-        faults.call(lambda v=value, j=joint: parse_quantity(v, _dimension(j)), (number,))
+        faults.call((number,), parse_quantity, value, _dimension(joint))
         for number, (value, joint) in enumerate(zip(given, joints, strict=True))
     ]
     faults.raise_any()

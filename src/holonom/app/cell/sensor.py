@@ -56,9 +56,7 @@ def _read(given: object) -> Sensor:
         raise refuse(("kind",), f"missing; one of {', '.join(SENSORS)} is expected", given.get("kind"))
     faults = Faults()
     rest = {key: value for key, value in given.items() if key not in _OWN}
-    method = faults.call(lambda: _READ.read(rest))
-    robot, name = (
-        faults.call(lambda k=key: _TEXT.validate_python(given[k]), (key,)) if key in given else None for key in _OWN
-    )
+    method = faults.call((), _READ.read, rest)
+    robot, name = (faults.call((key,), _TEXT.validate_python, given[key]) if key in given else None for key in _OWN)
     faults.raise_any()
     return Sensor(method, robot, name or method.name)

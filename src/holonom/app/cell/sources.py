@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, Strict, TypeAdapter, ValidationInfo
 from pydantic_core import core_schema
 
-from holonom.app.cell.refusals import Faults, refuse
+from holonom.app.cell.refusals import Faults, read_form, refuse
 from holonom.app.cell_fields import Angle, File, Length, OneOf, Quantity, Section, Size, Text
 from holonom.app.cell_methods import params_schema, read_params
 from holonom.errors import CellError, InputError, ModelError, UnknownName
@@ -163,7 +163,7 @@ def _preset(given: Mapping[str, Any], info: ValidationInfo) -> ArmSource:
 
 
 def _from_file(given: Mapping[str, Any], info: ValidationInfo) -> ArmSource:
-    table = FileTable.model_validate(given, context=info.context)
+    table = read_form(FileTable, given, info.context)
     model = load_model(table.file, root=table.root, tip=table.tip)
     return ArmSource(table.file.name, "", model)
 
@@ -171,9 +171,9 @@ def _from_file(given: Mapping[str, Any], info: ValidationInfo) -> ArmSource:
 def _arranged(given: Mapping[str, Any], info: ValidationInfo) -> BaseSource:
     kind, faults = given["arrangement"], Faults()
     rest = {key: value for key, value in given.items() if key not in _BODY and key != "arrangement"}
-    body = faults.call(lambda: _body(given))
-    known = faults.call(lambda: _NAMES.validate_python(kind), ("arrangement",))
-    params = faults.call(lambda: read_params(ARRANGEMENTS, kind, rest)) if known is not None else None
+    body = faults.call((), _body, given)
+    known = faults.call(("arrangement",), _NAMES.validate_python, kind)
+    params = faults.call((), read_params, ARRANGEMENTS, kind, rest) if known is not None else None
     faults.raise_any()
     made: WheelBase = ARRANGEMENTS[kind].build(params)
     return BaseSource(kind, params, _built(made, _renamed(made, body), body))
@@ -198,8 +198,8 @@ def _body(given: Mapping[str, Any]) -> BodyTable:
     """The body's keys; wheels that are all tables or all names are read as such, so that faults name their keys."""
     own = {key: value for key, value in given.items() if key in _BODY and key != "wheels"}
     faults = Faults()
-    body = faults.call(lambda: BodyTable.model_validate(own))
-    wheels = faults.call(lambda: _wheels(given.get("wheels")), ("wheels",))
+    body = faults.call((), read_form, BodyTable, own)
+    wheels = faults.call(("wheels",), _wheels, given.get("wheels"))
     faults.raise_any()
     found: BodyTable = body.model_copy(update={"wheels": wheels})
     return found
@@ -208,13 +208,15 @@ def _body(given: Mapping[str, Any]) -> BodyTable:
 def _wheels(given: object) -> tuple[str | WheelTable, ...] | None:
     if given is None:
         return None
-    tables = isinstance(given, Sequence) and any(isinstance(entry, Mapping) for entry in given)
-    found: tuple[str | WheelTable, ...] = (_TABLES if tables else _WORDS).validate_python(given)
-    return found
+    if not isinstance(given, list | tuple) or not any(isinstance(entry, Mapping) for entry in given):
+        return _WORDS.validate_python(given)
+    faults = Faults()
+    found = [faults.call((number,), read_form, WheelTable, entry) for number, entry in enumerate(given)]
+    faults.raise_any()
+    return tuple(found)
 
 
 _NAMES: TypeAdapter[str] = TypeAdapter(Annotated[str, OneOf(ARRANGEMENTS)])
-_TABLES: TypeAdapter[tuple[WheelTable, ...]] = TypeAdapter(tuple[WheelTable, ...])
 _WORDS: TypeAdapter[tuple[str, ...]] = TypeAdapter(tuple[Text, ...])
 
 

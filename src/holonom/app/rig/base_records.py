@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.app.base.scene import wheel_frames, wheel_poses
 from holonom.app.job import BaseJob
+from holonom.app.wheel_frames import wheel_frames, wheel_poses
 from holonom.closed_loop.base_kernels import LogBuffer
 from holonom.control.base_uncertainty import PoseUncertainty
 from holonom.machine.base.settings import Creep

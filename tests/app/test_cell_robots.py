@@ -1,0 +1,135 @@
+"""Every arm and every arrangement of wheels in a cell: read, built, drawn, checked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cell_files import ABOUT, built, drawn, write
+
+from holonom import load_arm
+from holonom.app.cell import load_cell
+from holonom.app.cell.build import refuse_unsimulated
+from holonom.app.cell.check import check_cell
+from holonom.errors import CellError
+from holonom.mechanics import Arm
+from holonom.mobile.methods import ARRANGEMENTS
+from holonom.model import preset_names
+
+URDFS = (
+    "example_robot_data/ur10_robot.urdf", "example_robot_data/ur3_robot.urdf", "example_robot_data/ur5_robot.urdf",
+    "pybullet/model.urdf", "rtb_data/al5d_robot.urdf", "rtb_data/irb140.urdf", "rtb_data/kr210l150.urdf",
+    "rtb_data/lbr_iiwa_14_r820.urdf", "rtb_data/puma560_robot.urdf",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [*preset_names(), *URDFS])
+def test_every_arm_is_built_and_drawn(name: str, tmp_path: Path, data_folder: Path) -> None:
+    source = str(data_folder / "robots" / "urdf" / name) if "/" in name else name
+    path = write(tmp_path, f"{ABOUT}[[robot]]\nmodel = '{source}'\nprogram = 'wave.arps'\n")
+    job = built(path)
+    arm, model = job.arms[0], load_arm(source)
+    assert (arm.drives == "ideal") == (model.model.bodies is None or bool("ideal" in "".join(job.notes)))
+    limits = arm.arm.limits
+    assert (limits.speed > 0.0).all()
+    assert np.isfinite([limits.speed, limits.acceleration]).all()
+    assert (limits.acceleration > 0.0).all()
+    assert ((limits.lower <= arm.home) & (arm.home <= limits.upper)).all()
+    np.testing.assert_allclose(arm.arm.fk(arm.home), model.fk(arm.home), atol=1e-12)
+    drawn(job)
+    frames = [shape.frame for shape in job.scene.shapes]
+    assert {f"link{i + 1}" for i in range(model.n)} <= {*frames, "link6" if name == "puma560" else ""}
+    answer = check_cell(path)
+    assert answer.data["motions"] == 2
+    assert answer.data["drives"] == arm.drives
+
+
+@pytest.mark.parametrize("name", [name for name in URDFS if "puma" not in name])
+def test_tubes_reach_from_joint_to_joint(name: str, tmp_path: Path, data_folder: Path) -> None:
+    """What is drawn of an arm goes where its links go: bars end where the next joint is, at any pose."""
+    source = data_folder / "robots" / "urdf" / name
+    job = built(write(tmp_path, f"{ABOUT}[[robot]]\nmodel = '{source}'\ndrives = 'ideal'\n"))
+    arm = Arm(load_arm(source).model)
+    frames = arm.frames(np.linspace(-0.4, 0.5, arm.n))
+    axes = {i: frames[i + 1][:3, 3] for i in range(arm.n)}  # of URDF links: the joint's own place
+    for shape in job.scene.shapes:
+        if shape.frame.startswith("link") and getattr(shape, "rounded", False):
+            i = int(shape.frame[4:]) - 1
+            T = frames[i + 1]
+            start, end = (T[:3, :3] @ np.array(p) + T[:3, 3] for p in (shape.start, shape.end))
+            np.testing.assert_allclose(start, axes[i], atol=1e-9)
+            if i + 1 < arm.n:
+                np.testing.assert_allclose(end, axes[i + 1], atol=1e-9)
+
+
+EXTRA = {"omni": "n = 3\n", "swerve": 'wheelbase = "0.4m"\ntrack = "0.3m"\n'}
+SIMULATED = ("differential", "omni", "mecanum")
+
+
+def base_text(kind: str, drives: str = "") -> str:
+    required = [field for field in ARRANGEMENTS[kind].fields if field.required]
+    keys = "".join(f'{field.name} = "{field.parameter.example}m"\n' for field in required)
+    return (
+        f'{ABOUT}[[robot]]\narrangement = "{kind}"\nmass = "20kg"\nheight = "10mm"\n{keys}{EXTRA.get(kind, "")}{drives}'
+    )
+
+
+@pytest.mark.parametrize("kind", ARRANGEMENTS)
+def test_every_arrangement_is_read_built_and_drawn(kind: str, tmp_path: Path) -> None:
+    path = write(tmp_path, base_text(kind))
+    cell, job = load_cell(path), built(path)
+    base = job.bases[0]
+    assert base.base.name == kind
+    drawn(job)
+    shapes = [shape for shape in job.scene.shapes if shape.frame != "world"]
+    assert len(shapes) >= 4 + len(base.base.wheels)
+    if kind in SIMULATED:
+        refuse_unsimulated(cell, path)
+        assert {f"wheel_{k + 1}" for k in range(len(base.base.driven))} <= {shape.frame for shape in shapes}
+        assert "note: " + kind not in check_cell(path).text.replace("no motors", "") or "cannot" not in "".join(
+            job.notes
+        )
+    else:
+        with pytest.raises(
+            CellError, match=rf"cell.toml:5: robot\[0\].arrangement: .*{kind}.* cannot be simulated yet"
+        ):
+            refuse_unsimulated(cell, path)
+        assert any("cannot be simulated yet" in note for note in check_cell(path).data["notes"])
+
+
+def test_wheels_one_by_one(tmp_path: Path) -> None:
+    path = write(
+        tmp_path,
+        f"""{ABOUT}[[robot]]
+mass = "20kg"
+wheels = [
+  {{ kind = "fixed", x = "0m", y = "0.2m", radius = "80mm", driven = true, name = "left" }},
+  {{ kind = "fixed", x = "0m", y = "-0.2m", radius = "80mm", driven = true, name = "right" }},
+  {{ kind = "spherical", x = "0.2m", y = "0m", radius = "20mm" }},
+]
+""",
+    )
+    base = built(path).bases[0].base
+    assert base.driven == ("left", "right")
+    np.testing.assert_allclose(base.wheel_speeds([0.8, 0.0, 0.0]), [10.0, 10.0])
+    text = path.read_text("utf-8").replace(
+        'kind = "fixed", x = "0m", y = "0.2m"', 'kind = "steered", x = "0m", y = "0.2m"'
+    )
+    with pytest.raises(CellError, match=r"cell.toml:6: robot\[0\].wheels: these wheels cannot be simulated yet"):
+        refuse_unsimulated(load_cell(write(tmp_path, text)), path)
+
+
+@pytest.mark.parametrize("kind", SIMULATED)
+@pytest.mark.parametrize("drives", ['drives = "ideal"\n', 'drives = "from_limits"\n', ""])
+def test_drives_of_a_base_reach_its_limits(kind: str, drives: str, tmp_path: Path) -> None:
+    limits = '[robot.limits]\nspeed = "1.5m/s"\nacceleration = "1.2m/s2"\n'
+    job = built(write(tmp_path, base_text(kind, drives + limits)))
+    base = job.bases[0]
+    assert base.drives == ("ideal" if "ideal" in drives else "from_limits")
+    assert len(job.notes) == (0 if drives else 1)
+    fastest = np.abs(base.base.wheel_speeds([1.5, 0.0, 0.0])).max()
+    motor = base.drive.motor
+    assert motor.no_load_speed / base.drive.gear.ratio >= 1.3 * fastest * (1 - 1e-12)
+    force = motor.torque_constant * motor.max_current * base.drive.gear.ratio * len(base.base.driven)
+    assert force / base.base.wheel_radii.max() == pytest.approx(1.5 * 2.0 * 20.0 * 1.2)
