@@ -87,7 +87,7 @@ def run_cell(
         job = dataclasses.replace(job, seed=seed)
     plans = plans_of(job)
     with Interrupts() as interrupts, RunFolder(output, recordings=[plan.file for plan in plans]) as folder:
-        runs = []
+        runs: list[Done] = []
         for plan in plans:
             typed = say if not runs else _silent
             runs.append(_run(plan, folder, interrupts, quiet=quiet, say=typed))

@@ -59,8 +59,8 @@ def _robot(summary: Mapping[str, Any]) -> Iterator[str]:
     for alarm in summary.get("false_alarms", ()):
         yield f"{alarm['start']:.2f} s to {alarm['end']:.2f} s: {alarm['what']}"
     eventful = summary.get("slips") or summary.get("dead_motors")
-    errors = [error for error in summary.get("path_errors", ()) if error["rms_m"] is not None]
-    yield from map(_error_text, errors if eventful else errors[:1])
+    phases = [error for error in summary.get("path_errors", ()) if error["rms_m"] is not None]
+    yield from map(_error_text, phases if eventful else phases[:1])
 
 
 def _error_text(error: Mapping[str, Any]) -> str:

@@ -24,8 +24,8 @@ BARE = "without_handling"
 UNUSED = ("/tf", "/truth/tool_pose", "/measured/encoder_counts", "/imu")
 """Topics that no section shows; an hour of them is not read."""
 COMPARED = (
-    "/joint_states", "/truth/joint_states", "/commanded/joint_states", "/odom", "/commanded/odom", "/truth/odom", "/rosout",
-    "/signals/{number}",
+    "/joint_states", "/truth/joint_states", "/commanded/joint_states", "/odom", "/commanded/odom", "/truth/odom",
+    "/rosout", "/signals/{number}",
 )  # fmt: skip
 """Topics that are compared between runs."""
 FATAL = ("simulation", "drive", "program", "operator")
