@@ -1,4 +1,4 @@
-"""One run path: it records as it goes, stops when told, keeps its folder to itself, and takes methods from other packages."""
+"""One run path: it records as it goes, stops when told, keeps its folder, and takes methods from other packages."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -71,7 +71,7 @@ def started(folder: Path) -> tuple[subprocess.Popen[str], Path]:
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_run_that_is_stopped_ends_in_order(tmp_path: Path, number: signal.Signals) -> None:
-    """Motion stopped, recording closed; summary and report follow; status 130. (In 0.06 s on a machine of its own.)"""
+    """Motion stopped, recording closed; summary and report follow; status 130. On a machine of its own in 0.06 s."""
     process, out = started(tmp_path)
     begin = time.time()
     process.send_signal(number)
@@ -98,7 +98,7 @@ def test_what_a_killed_run_leaves_is_read_and_reported(tmp_path: Path, capsys: p
     recording = read_recording(path)
     assert recording.ended == "cut off"
     last = 0
-    with path.open("rb") as file, pytest.raises(EndOfFile):
+    with path.open("rb") as file, suppress(EndOfFile):  # mcap gives what is there, then says that more was to come
         for _, _, message in NonSeekingReader(file).iter_messages(log_time_order=False):
             last = max(last, message.log_time)
     assert last / 1e9 == pytest.approx(recording.end(), abs=1e-6)
@@ -128,7 +128,7 @@ def test_what_a_program_types_is_shown(tmp_path: Path, capsys: pytest.CaptureFix
     assert main(["run", str(cell), "-o", str(tmp_path / "out")]) == 0
     shown = capsys.readouterr().out.splitlines()
     assert shown[0] == "hello"
-    assert shown[1].startswith("arm: all done after") or shown[1].startswith("arm: program ended after")
+    assert shown[1].startswith("arm: program ended after")
     assert "x real time" in shown[1]
     assert main(["run", str(cell), "-o", str(tmp_path / "out"), "--json"]) == 0
     shown = capsys.readouterr()
@@ -257,15 +257,12 @@ def test_every_preset_runs_or_says_why(tmp_path: Path, capsys: pytest.CaptureFix
     from holonom.model import PRESETS
 
     failed: dict[str, str] = {}
-    run: Callable[[str], int] = lambda name: main(
-        ["run", str(tmp_path / f"{name}.toml"), "-o", str(tmp_path / name), "--quiet"]
-    )
     for name in PRESETS:
         first = "DRIVE 1, 5, 50"
         (tmp_path / f"{name}.arps").write_text(f".PROGRAM main()\n  {first}\n.END\n", "utf-8")
         robot = f'[[robot]]\nname = "arm"\nmodel = "{name}"\ndrives = "ideal"\nprogram = "{name}.arps"\n'
         text = f'[cell]\nname = "{name}"\ntime_limit = "20s"\nseed = 1\n\n{robot}'
         (tmp_path / f"{name}.toml").write_text(text, "utf-8")
-        if run(name) != 0:
+        if main(["run", str(tmp_path / f"{name}.toml"), "-o", str(tmp_path / name), "--quiet"]) != 0:
             failed[name] = capsys.readouterr().err
     assert failed == {}

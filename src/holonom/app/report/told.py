@@ -23,7 +23,7 @@ def told(source: Source, summary: Mapping[str, Any]) -> list[str]:
         lines.append(f"{sum(summary['placed'].values())} of {summary['parts']} parts in the tray: {fields}")
     for name, robot in summary.get("robots", {"": summary}).items():
         lines += [f"{name}: {line}" if name else line for line in _robot(robot)]
-    return lines
+    return [*lines, *(f"note: {note}" for note in summary["notes"])]
 
 
 def _robot(robot: Mapping[str, Any]) -> list[str]:
