@@ -316,7 +316,7 @@ TOPICS: tuple[Topic, ...] = (
         "/truth/tool_pose", FramePoses, ("poses",), _POSE, _TRUTH, "m", "world", "the tool's frame as it is",
     ),
     Topic(
-        "/measured/{sensor}", Reading, ("values",), _NUMBERS, _MEASURED, "its own", "",
+        "/measured/sensors/{sensor}", Reading, ("values",), _NUMBERS, _MEASURED, "its own", "",
         "what a sensor of the cell measures",
     ),
     Topic(

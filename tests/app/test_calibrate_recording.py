@@ -8,27 +8,34 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rig_runs import record
 
-from holonom.app.base.assembly import build_job, simulate
-from holonom.app.base.record import record_log
+from holonom.app.cell import load_cell
+from holonom.app.cell.build import build_job
 from holonom.app.cli import main
 from holonom.app.odometry_log import read_log
 from holonom.app.recording import Recorder
 from holonom.app.recording.robot import ROBOT, base_words
-from holonom.app.short_cell import load_cell
+from holonom.app.rig import Simulated
+from holonom.closed_loop import BaseLoop
 from holonom.errors import LogError
+from holonom.machine import BaseController, PathLimits, plan_path
+from holonom.machine.base.paths import PATHS
 from holonom.mobile import WheelBase, mecanum, omni
+from holonom.sim import BasePlant, Floor
 
 SOCCER = Path(__file__).resolve().parents[2] / "examples" / "03_soccer_robot" / "cell.toml"
-CELL = load_cell(SOCCER)
+JOB = build_job(load_cell(SOCCER), SOCCER)
 PARTS = np.array([1.012, 0.991, 1.007, 0.985])
 """True radii over those of the data sheet."""
 
 
-def job(heading: str = "tangent"):
-    path = CELL.path.model_copy(update={"laps": 1, "heading": heading, "speed": 1.0, "size": 2.0})
-    floor = CELL.floor.model_copy(update={"patches": ()})
-    return build_job(CELL.model_copy(update={"path": path, "floor": floor, "faults": ()}), SOCCER)
+def job(nominal: WheelBase, heading: str):
+    """One slow lap of an eight on a good floor."""
+    path = plan_path(PATHS.make("figure_of_eight", {"size": 2.0}), PathLimits(1.0, 2.5), heading=heading)
+    task = dataclasses.replace(JOB.bases[0].task, path=path)
+    base = dataclasses.replace(JOB.bases[0], base=nominal, task=task, faults=(), pose=path.pose[0])
+    return dataclasses.replace(JOB, bases=(base,), floor=Floor(JOB.floor.material))
 
 
 def of_size(base: WheelBase, parts: np.ndarray) -> WheelBase:
@@ -44,11 +51,13 @@ def recorded(folder: Path, nominal: WheelBase) -> list[str]:
     """Simulate the true base on two ways, so that it goes all ways; record it under the data sheet's numbers."""
     paths = []
     for heading in ("tangent", "fixed"):
-        made = job(heading)
-        log = simulate(dataclasses.replace(made, base=of_size(nominal, PARTS)))
-        assert not log.named.any()
+        made = job(nominal, heading)
+        base = made.bases[0]
+        plant = BasePlant(of_size(nominal, PARTS), base.drive, made.floor, rng=np.random.default_rng(33))
+        loop = BaseLoop(BaseController(nominal, base.drive, base.settings), plant)
+        loop.place(base.pose)
         paths.append(str(folder / f"{heading}.mcap"))
-        record_log(Path(paths[-1]), dataclasses.replace(made, base=nominal), log)
+        record(made, Path(paths[-1]), Simulated({}, {"": loop}))
     return paths
 
 
@@ -57,7 +66,7 @@ BODY = {"alpha": 0.5, "mass": 6.35, "com_height": 0.04}
 
 @pytest.mark.parametrize("drive", ["omni4_any", "mecanum"])
 def test_the_true_wheels_come_back(tmp_path: Path, drive: str, capsys: pytest.CaptureFixture[str]) -> None:
-    nominal = job().base if drive == "omni4_any" else mecanum(0.16, 0.14, 0.027, **BODY)
+    nominal = JOB.bases[0].base if drive == "omni4_any" else mecanum(0.16, 0.14, 0.027, **BODY)
     assert main(["calibrate", "odometry", *recorded(tmp_path, nominal), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["drive"] == drive

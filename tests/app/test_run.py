@@ -32,7 +32,6 @@ BAD_INPUT = {
     "not TOML": ("cell.toml", r"\[cell\]", "[cell", r"cell.toml:\d+:\d+: not TOML"),
     "misspelt key": ("cell.toml", "opening =", "openning =", r"cell.toml:\d+: gripper.openning: .*mean 'opening'"),
     "unknown preset": ("cell.toml", "puma560", "puma650", r"cell.toml:\d+: arm.preset: no arm preset 'puma650'"),
-    "no drives": ("cell.toml", "puma560", "ur5e", r"cell.toml:\d+: arm.preset: joint 'shoulder_pan' has no motor"),
     "unknown unit": ("cell.toml", "120mm", "120furlong", r"cell.toml:\d+: gripper.length: no unit of length 'furlong'"),
     "points on a line": ("cell.toml", POINTS, points_on_a_line(5), r"cell.toml:\d+: camera.points: .*line"),
     "too few points": ("cell.toml", POINTS, points_on_a_line(3), "camera.points: 3 came; at least 4"),
@@ -90,8 +89,8 @@ def test_errors_as_json(cell: CellCopy) -> None:
 def records(cell: CellCopy, status: int, text: str, place: str) -> Recording:
     """The recording of a run that failed at a place: valid, with report and summary that say so."""
     assert status == 1, text
-    assert text.startswith(f"holonom: error: {place}: "), text
-    cause = text.removeprefix("holonom: error: ").splitlines()[0]
+    assert f"holonom: error: {place}: " in text, text
+    cause = text.partition("holonom: error: ")[2].splitlines()[0]
     assert f"what was recorded until then is in {cell.out}" in text
     assert sorted(path.name for path in cell.out.iterdir()) == ["recording.mcap", "report.html", "summary.json"]
     summary = json.loads((cell.out / "summary.json").read_text("utf-8"))
@@ -109,7 +108,7 @@ def records(cell: CellCopy, status: int, text: str, place: str) -> Recording:
 
 def assert_stops(recording: Recording) -> None:
     """The arm is at rest at the end; its reference never brakes or speeds up harder than the joints may."""
-    assert np.abs(recording.joints.velocity[-1]).max() < 0.02
+    assert np.abs(recording.true_joints.velocity[-1]).max() < 0.02
     assert np.abs(recording.reference.velocity[-1]).max() < 1e-9
     limit = load_arm("puma560").limits.acceleration
     change = np.abs(np.diff(recording.reference.velocity, axis=0)).max(0) / 0.01
@@ -150,7 +149,7 @@ def test_a_program_that_fails_while_the_arm_moves(cell: CellCopy, wrong: str, sa
     cell.edit("sort_coins.arps", "APPRO coin, clear", f"APPRO coin, clear\n{wrong}")
     status, text = cell.call("run")
     assert said in text
-    place = re.match(r"holonom: error: (.*?:\d+)", text)[1]
+    place = re.search(r"holonom: error: (.*?:\d+)", text)[1]
     assert place in {cell.line("sort_coins.arps", line) for line in wrong.splitlines()}
     assert_stops(records(cell, status, text, place))
 
@@ -175,11 +174,11 @@ def test_a_finger_that_comes_down_on_a_coin(cell: CellCopy) -> None:
 def test_a_drive_fault_names_the_axis_and_holds_the_arm(cell: CellCopy) -> None:
     cell.edit("cell.toml", '"3deg"', '"0.02deg"')
     status, text = cell.call("run")
-    place = re.match(r"holonom: error: (.*sort_coins.arps:\d+): ", text)
+    place = re.search(r"holonom: error: (.*sort_coins.arps:\d+): ", text)
     assert place, text
     recording = records(cell, status, text, place[1])
     assert re.search("waist|shoulder|elbow|wrist|flange", text), text
-    assert np.abs(recording.joints.velocity[-1]).max() < 0.02
+    assert np.abs(recording.true_joints.velocity[-1]).max() < 0.02
 
 
 def test_another_seed_is_in_the_summary(cell: CellCopy) -> None:

@@ -8,20 +8,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from holonom.app.base.assembly import build_job
-from holonom.app.base.uncertainty import uncertainty
-from holonom.app.short_cell import load_cell
+from holonom.app.cell import load_cell
+from holonom.app.cell.build import build_job
+from holonom.closed_loop import simulate_base
 from holonom.control.base_uncertainty import UncertaintySettings, covariance_along
+from holonom.control.path_keeping import EstimateSettings
 from holonom.errors import OutOfLimits, ShapeError
+from holonom.machine import PATHS, BaseSettings, Creep, PathLimits, plan_path
+from holonom.machine.base.uncertainty import pose_uncertainty
+from holonom.mobile import BaseSensors
 from holonom.mobile.odometry import integrate, integrate_with_covariance
-from holonom.sim import PATHS, BaseSensors, BaseSettings, Floor, Material, PathLimits, plan_path, simulate_base
+from holonom.sim import Floor, Material
 
 SOCCER = Path(__file__).resolve().parents[2] / "examples" / "03_soccer_robot" / "cell.toml"
-JOB = build_job(load_cell(SOCCER), SOCCER)
+JOB = build_job(load_cell(SOCCER), SOCCER).bases[0]
 SEEDS, PLACES = 100, 25
 NOTHING = UncertaintySettings(start=0.0, start_turn=0.0, gyro_noise=0.0, gyro_bias=0.0, way_noise=0.0, drift=0.0)
-CIRCLE = (PATHS["circle"](1.0), PathLimits(0.8, 1.5), "tangent")
-EIGHT = (PATHS["figure_of_eight"](2.0), PathLimits(1.5, 2.5), "fixed")
+CIRCLE = (PATHS.make("circle", {"size": 1.0}), PathLimits(0.8, 1.5), "tangent")
+EIGHT = (PATHS.make("figure_of_eight", {"size": 2.0}), PathLimits(1.5, 2.5), "fixed")
 CORNER = (np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), PathLimits(1.0, 1.0), "fixed")
 
 
@@ -29,13 +33,13 @@ def errors(course: tuple, noise: float, bias: float, material: Material) -> tupl
     """Errors (seeds, places, 3) of the believed pose, and their covariances."""
     points, limits, heading = course
     path = plan_path(points, limits, heading=heading)
-    gyro = JOB.cell.gyro.model_copy(update={"noise": noise, "bias": bias})
-    job = dataclasses.replace(JOB, cell=JOB.cell.model_copy(update={"gyro": gyro}), floor=Floor(material))
-    known, settings = uncertainty(job), BaseSettings(sensors=BaseSensors(gyro_noise=noise, gyro_bias=bias))
+    sensors = BaseSensors(gyro_noise=noise, gyro_bias=bias)
+    creep, settings = Creep(material.creep, material.peak), BaseSettings(sensors=sensors)
+    known = pose_uncertainty(JOB.base, JOB.drive, sensors, creep, EstimateSettings())
     missed, sure = [], []
     for seed in range(SEEDS):
         rng = np.random.default_rng(seed)
-        log = simulate_base(job.base, job.drive, path, floor=job.floor, settings=settings, rng=rng)
+        log = simulate_base(JOB.base, JOB.drive, path, floor=Floor(material), settings=settings, rng=rng)
         assert not log.named.any()
         C = covariance_along(known, 1e-3, log.estimated_pose, log.estimated_twist, log.acceleration)
         at = np.linspace(0, len(log.time) - 1, PLACES).astype(int)

@@ -185,7 +185,7 @@ def test_sensors_of_the_cell_are_recorded(tmp_path: Path) -> None:
 
     sensor = SensorJob("range", "", "distance", Distance())
     _, _, recording = run(job(base_job(line(0.5)), sensors=(sensor,)), tmp_path)
-    track = recording.tracks["/measured/range"]
+    track = recording.tracks["/measured/sensors/range"]
     assert track.fields["values"].shape[1] == 2
     assert track.fields["values"][-1, 0] == pytest.approx(0.5, abs=0.01)
 

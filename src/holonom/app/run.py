@@ -24,7 +24,7 @@ from holonom.app.report.reporting import report_html
 from holonom.app.report.source import source_of
 from holonom.app.report.summary import summary_of
 from holonom.app.rig import Ended, Ending, Rig, simulated
-from holonom.app.run_text import run_text
+from holonom.app.run_text import robot_lines, run_text
 from holonom.errors import ProgramError
 
 __all__ = ["run_cell"]
@@ -87,7 +87,7 @@ def run_cell(
         job = dataclasses.replace(job, seed=seed)
     plans = plans_of(job)
     with Interrupts() as interrupts, RunFolder(output, recordings=[plan.file for plan in plans]) as folder:
-        runs = []
+        runs: list[Done] = []
         for plan in plans:
             typed = say if not runs else _silent
             runs.append(_run(plan, folder, interrupts, quiet=quiet, say=typed))
@@ -175,12 +175,14 @@ def _tell(runs: list[Done], folder: RunFolder) -> Answer:
         The operator stopped it.
     """
     source = source_of(folder.path / RECORDING)
-    summary = summary_of(source) | {"real_time_factor": round(runs[0].pace, 1)}
+    summary = summary_of(source)
     folder.write(SUMMARY, json.dumps(summary, indent=2, allow_nan=False) + "\n")
     folder.write(REPORT, report_html(source))
-    text, last = run_text(summary, folder.path), runs[-1].ended
+    last = runs[-1].ended
     if last.ending is Ending.FAILED and last.fault is not None:
-        raise type(last.fault)(f"{text}\n  what was recorded until then is in {folder.path}") from last.fault
+        what = "\n".join([str(last.fault), *(f"  {line}" for line in robot_lines(summary))])
+        raise type(last.fault)(f"{what}\n  what was recorded until then is in {folder.path}") from last.fault
     if last.ending is Ending.STOPPED:
         raise KeyboardInterrupt
-    return Answer(text, summary)
+    pace = round(runs[0].pace, 1)  # of the wall clock: not in the summary, which equal runs have in common
+    return Answer(run_text(summary, folder.path, pace), summary | {"real_time_factor": pace})

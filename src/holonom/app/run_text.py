@@ -8,25 +8,31 @@ from typing import Any
 
 from holonom.app.output import REPORT
 
-__all__ = ["run_text"]
+__all__ = ["robot_lines", "run_text"]
 
 
-def run_text(summary: Mapping[str, Any], folder: Path) -> str:
-    """Lines for a person: how it ended, what came of each robot, where the report is."""
+def run_text(summary: Mapping[str, Any], folder: Path, pace: float) -> str:
+    """Lines for a person: how it ended, what came of each robot, where the report is.
+
+    `pace` is how many times faster than real time it was simulated and recorded.
+    """
+    head = f"{summary['cell']}: {_ended(summary)}, {pace:g} x real time"
+    return "\n".join([head, *robot_lines(summary), f"report: {folder / REPORT}"])
+
+
+def robot_lines(summary: Mapping[str, Any]) -> list[str]:
+    """Lines of what came of the parts and of each robot, and what was assumed."""
     robots = summary.get("robots")
-    lines = [f"{summary['cell']}: {_ended(summary)}", *_parts(summary)]
+    lines = [*_parts(summary)]
     if robots is None:
         lines += _robot(summary)
     else:
         lines += [f"{name}: {line}" for name, robot in robots.items() for line in _robot(robot)]
-    lines += [f"note: {note}" for note in summary["notes"]]
-    return "\n".join([*lines, f"report: {folder / REPORT}"])
+    return lines + [f"note: {note}" for note in summary["notes"]]
 
 
 def _ended(summary: Mapping[str, Any]) -> str:
     time = f"{summary['simulated_time_s']:.1f} s of simulated time"
-    if summary["failure"] is not None:
-        return f"{summary['failure']}"
     what = "program at PAUSE" if summary["outcome"] == "paused" else _done(summary)
     return f"{what} after {time}"
 
@@ -52,9 +58,9 @@ def _robot(summary: Mapping[str, Any]) -> Iterator[str]:
     yield from map(_motor_text, summary.get("dead_motors", ()))
     for alarm in summary.get("false_alarms", ()):
         yield f"{alarm['start']:.2f} s to {alarm['end']:.2f} s: {alarm['what']}"
-    for error in summary.get("path_errors", ()):
-        if error["rms_m"] is not None:
-            yield _error_text(error)
+    eventful = summary.get("slips") or summary.get("dead_motors")
+    phases = [error for error in summary.get("path_errors", ()) if error["rms_m"] is not None]
+    yield from map(_error_text, phases if eventful else phases[:1])
 
 
 def _error_text(error: Mapping[str, Any]) -> str:

@@ -63,6 +63,8 @@ class Decoded:
         first = self._tracks[0]
         same = [track for track in self._tracks if track.names == first.names]
         time = np.concatenate([track.time for track in same])
+        if not first.fields and len(self._parts):
+            return Track(np.unique(time), {})
         fields = {name: np.concatenate([track.fields[name] for track in same]) for name in first.fields}
         return Track(time, fields, first.names)
 

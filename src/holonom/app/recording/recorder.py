@@ -55,7 +55,7 @@ class Recorder:
         The file cannot be made.
     """
 
-    __slots__ = ("_channels", "_flushed", "_own", "_schemas", "_stream", "_topics", "_writer")
+    __slots__ = ("_begin", "_channels", "_flushed", "_own", "_schemas", "_stream", "_topics", "_writer")
 
     def __init__(
         self,
@@ -75,6 +75,7 @@ class Recorder:
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, int] = {}
         self._flushed: int | None = None
+        self._begin: float | None = None
         self._own = _RobotSink(self, scope, self._topics)
         try:
             self._writer.start(profile=Profile.ROS2, library="holonom")
@@ -105,6 +106,12 @@ class Recorder:
     def scoped(self, robot: str, joint_names: Sequence[str], *, tool: str = "tool") -> Sink:
         """Return the sink of another robot, which records into the same file."""
         return _RobotSink(self, Scope(robot, tuple(joint_names), tool), self._topics)
+
+    def began(self, time: float) -> float:
+        """Time of the first record of any robot, s; `time` is that of one that comes now."""
+        if self._begin is None:
+            self._begin = time
+        return self._begin
 
     def metadata(self, name: str, words: Mapping[str, str]) -> None:
         """Write words beside the messages, such as how the run ended.
@@ -174,12 +181,11 @@ class Recorder:
 class _RobotSink:
     """The records of one robot. A digital signal that is first heard of when it changes was the opposite before."""
 
-    __slots__ = ("_begin", "_encoders", "_heard", "_recorder", "_scope")
+    __slots__ = ("_encoders", "_heard", "_recorder", "_scope")
 
     def __init__(self, recorder: Recorder, scope: Scope, topics: Sequence[Topic]) -> None:
         self._recorder, self._scope = recorder, scope
         self._encoders: dict[type[Record], list[tuple[Topic, Encode]]] = {}
-        self._begin: float | None = None
         self._heard: set[int] = set()
         for topic in topics:
             encode = CODECS[topic.type].encoder(topic, scope)
@@ -188,12 +194,11 @@ class _RobotSink:
     def put(self, record: Record) -> None:
         if type(record) not in self._encoders:
             raise UnknownName("record", type(record).__name__, [kind.__name__ for kind in self._encoders])
-        if self._begin is None:
-            self._begin = record.time
+        begin = self._recorder.began(record.time)
         if isinstance(record, Signal) and record.number not in self._heard:
             self._heard.add(record.number)
-            if record.time > self._begin:
-                self.put(Signal(self._begin, record.number, not record.on))
+            if record.time > begin:
+                self.put(Signal(begin, record.number, not record.on))
         now = round(record.time * 1e9)
         for topic, encode in self._encoders[type(record)]:
             message = encode(now, record)

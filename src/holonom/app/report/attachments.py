@@ -100,7 +100,9 @@ def _program_name(arm: ArmJob) -> str:
 
 def _arm_robot(job: ArmJob, controller: int, stated: Arm) -> RobotFacts:
     model = job.arm.model
-    motors = [joint.motor for joint in model.joints]
+    moving = [model.joints[i] for i in model.independent]
+    rated = [stated.model.joints[i].limits.speed for i in model.independent]
+    motors = [joint.motor for joint in moving]
     kinematics = ArmFacts(
         base=_rows(model.base),
         joints=tuple(
@@ -120,11 +122,11 @@ def _arm_robot(job: ArmJob, controller: int, stated: Arm) -> RobotFacts:
         model=model.name,
         controller=job.settings[controller].controller,
         drives=job.drives,
-        joints=tuple(joint.name for joint in model.joints),
-        kinds=tuple(joint.kind for joint in model.joints),
+        joints=tuple(joint.name for joint in moving),
+        kinds=tuple(joint.kind for joint in moving),
         limits={
-            "speed": _limit(joint.limits.speed for joint in stated.model.joints),
-            "torque": _limit(joint.limits.torque for joint in stated.model.joints),
+            "speed": _limit(rated),
+            "torque": _limit(joint.limits.torque for joint in moving),
             "current": _limit(None if motor is None else motor.max_current for motor in motors),
             "voltage": _limit(None if motor is None else motor.max_voltage for motor in motors),
         },

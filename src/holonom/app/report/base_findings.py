@@ -248,7 +248,7 @@ def _alarms(recording: Recording, said: Said, limit: float) -> list[FalseAlarm]:
         own = track.time[some[:, number]]
         alarms += [
             FalseAlarm(f"{wheel} named, it grips", spell.start, spell.end)
-            for spell in _joined(said.named.get(wheel, ()))
+            for spell in _joined(said.named.get(wheel, ()), 0.0)
             if _wrong(spell, own)
         ]
     return alarms
@@ -291,11 +291,11 @@ def _stretches(time: Array, on: Mask) -> list[Spell]:
     return _joined([Spell(float(time[a]), float(time[b])) for a, b in zip(firsts, lasts, strict=True)])
 
 
-def _joined(spells: Sequence[Spell]) -> list[Spell]:
-    """Spells with pauses of less than `GAP` taken as one."""
+def _joined(spells: Sequence[Spell], gap: float = GAP) -> list[Spell]:
+    """Spells with no longer pause than a gap taken as one."""
     found: list[Spell] = []
     for spell in spells:
-        if found and spell.start - found[-1].end <= GAP:
+        if found and spell.start - found[-1].end <= gap:
             found[-1] = Spell(found[-1].start, spell.end)
         else:
             found.append(spell)

@@ -44,7 +44,8 @@ def joint_curves(recording: Recording, kinds: Sequence[str] = (), key: str = "")
         Goes before the curves' keys.
     """
     joints, drives, names = recording.joints, recording.drives, recording.joint_names
-    slides = np.array([kind == "prismatic" for kind in kinds] or [False] * len(names), dtype=bool)
+    known = kinds if len(kinds) == len(names) else ["revolute"] * len(names)
+    slides = np.array([kind == "prismatic" for kind in known], dtype=bool)
     curves = _by_kind(f"{key}position", "Joint position", ("°", "mm"), joints.time, joints.position, names, slides)
     title = "Tracking error, reference − measured"
     curves += _by_kind(f"{key}error", title, ("mrad", "mm"), joints.time, _error(recording), names, slides)

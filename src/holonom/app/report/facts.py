@@ -110,7 +110,7 @@ class RobotFacts:
     model, controller, drives
         In words.
     joints
-        Names of the joints or driven wheels, as recorded.
+        Names of the joints that move on their own, or of the driven wheels, as recorded.
     kinds
         "revolute" or "prismatic", one for each.
     limits

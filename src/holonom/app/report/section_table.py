@@ -14,7 +14,7 @@ __all__ = ["REPORT_SECTIONS", "Section", "parts_of"]
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """Whether it has something to show of a source, and what."""
+    """Whether it is for such a source at all, and what it shows of it, which may still be nothing."""
 
     applies: Callable[[Source], bool]
     parts: Callable[[Source], Sequence[Part]]

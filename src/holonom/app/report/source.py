@@ -24,7 +24,8 @@ BARE = "without_handling"
 UNUSED = ("/tf", "/truth/tool_pose", "/measured/encoder_counts", "/imu")
 """Topics that no section shows; an hour of them is not read."""
 COMPARED = (
-    "/joint_states", "/truth/joint_states", "/commanded/joint_states", "/odom", "/commanded/odom", "/truth/odom", "/rosout", "/signals/{number}",
+    "/joint_states", "/truth/joint_states", "/commanded/joint_states", "/odom", "/commanded/odom", "/truth/odom",
+    "/rosout", "/signals/{number}",
 )  # fmt: skip
 """Topics that are compared between runs."""
 FATAL = ("simulation", "drive", "program", "operator")
@@ -99,7 +100,7 @@ def source_of(path: str | Path, *, beside: bool = True) -> Source:
         RobotSource(
             robot.name,
             recordings.get(robot.name, whole),
-            replace(robot, joints=robot.joints or recordings[robot.name].joint_names),
+            robot,
             ending.joints.get(robot.name, {}),
             ending.numbers.get(robot.name, {}),
             {name: found for name, other in others.items() for found in other.robots if found.name == robot.name},

@@ -18,7 +18,7 @@ def _parts(source: Source) -> Sequence[Comparison]:
 
 
 def _applies(source: Source) -> bool:
-    return bool(_parts(source))
+    return any(robot.beside and robot.facts.kind == "arm" for robot in source.robots)
 
 
 SECTION = Method("two controllers on one path", lambda _: Section(_applies, _parts), OWN)

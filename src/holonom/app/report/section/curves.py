@@ -73,7 +73,7 @@ def _status(robot: RobotSource, key: str) -> list[Curve]:
 
 
 def _applies(source: Source) -> bool:
-    return bool(_parts(source))
+    return any(robot.recording.tracks for robot in source.robots)
 
 
 SECTION = Method("lines over time", lambda _: Section(_applies, _parts), OWN)

@@ -27,7 +27,7 @@ def _parts(source: Source) -> Sequence[LimitTable]:
 
 
 def _applies(source: Source) -> bool:
-    return bool(_parts(source))
+    return any(robot.facts.limits for robot in source.robots)
 
 
 SECTION = Method("peaks against limits", lambda _: Section(_applies, _parts), OWN)

@@ -74,7 +74,7 @@ def _figures(base: WheelBase, facts: BaseFacts, dead: Sequence[str]) -> list[Pol
 
 
 def _applies(source: Source) -> bool:
-    return bool(_parts(source))
+    return any(robot.facts.base is not None for robot in source.robots)
 
 
 SECTION = Method("what a base's drives can give, by direction", lambda _: Section(_applies, _parts), OWN)
