@@ -188,8 +188,20 @@ FAULTS = {
     "fault's wheel": ('wheel = "b"', 'wheel = "d"', 'wheel = "d"', r"fault\[0\].wheel", "no driven wheel 'd'"),
     "event's signal": ("signal = 3\n", 'signal = "3"\n', 'signal = "3"', r"event\[0\].signal", "a whole number"),
     "tray": ('size = ["200mm", "200mm"]', 'size = ["700mm", "200mm"]', "[tray]", "tray", "the tray spans x"),
-    "short beside long": ("[floor]", '[gripper]\nlength = "1m"\n[floor]', "", "", r"table \[gripper\] came, .* 'tool'"),
-    "arm beside robots": ("[floor]", '[arm]\npreset = "puma560"\n[floor]', "", "", r"tables \[arm\] and \[\[robot\]\]"),
+    "short beside long": (
+        "[floor]",
+        '[gripper]\nlength = "1m"\n[floor]',
+        "[gripper]",
+        "gripper",
+        r"table \[gripper\] came, .* 'tool'",
+    ),
+    "arm beside robots": (
+        "[floor]",
+        '[arm]\npreset = "puma560"\n[floor]',
+        "[arm]",
+        "arm",
+        r"tables \[arm\] and \[\[robot\]\]",
+    ),
 }
 
 
@@ -202,7 +214,7 @@ def test_fault_names_line_and_key(name: str, tmp_path: Path) -> None:
     with pytest.raises(CellError) as caught:
         load_cell(write(tmp_path, text))
     place = re.escape(str(tmp_path / "cell.toml"))
-    wanted = rf"^{place}:{line}: {key}: .*{said}" if key else rf"^{place}:\d+: .*{said}"
+    wanted = rf"^{place}:{line}: {key}: .*{said}"
     assert re.search(wanted, str(caught.value), re.MULTILINE), caught.value
 
 

@@ -175,3 +175,34 @@ def test_the_schema_has_every_table() -> None:
     assert set(schema["properties"]) == {*Cell.model_fields, *SHORT}
     for name in ("ArmTable", "BaseTable", "Robot", "WheelDrive", "GripperTool"):
         assert name in schema["$defs"]
+
+
+SENSOR = """from dataclasses import dataclass
+from holonom.registry import OWN, Method, check_fields, parameter
+
+@dataclass(frozen=True, slots=True)
+class Nose:
+    gain: float = parameter(1.0, meaning="of it", least=0.0)
+
+    def __post_init__(self):
+        check_fields(self)
+
+    def read(self, truth):
+        return [self.gain]
+
+METHOD = Method("smells", lambda sheet: sheet, OWN, Nose)
+"""
+
+
+def test_a_sensor_that_is_added_is_a_sensor_of_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    text = f"{ABOUT}[[robot]]\nmodel = 'ur5e'\n[[sensor]]\nkind = 'nose'\nname = 'left nostril'\ngain = 2.0\n"
+    with pytest.raises(CellError, match=r"cell.toml:7: sensor\[0\].kind: no sensor 'nose'"):
+        load_cell(write(tmp_path, text))
+    (tmp_path / "thrown_away_nose.py").write_text(SENSOR)
+    about = tmp_path / "thrown_away_nose-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: thrown_away_nose\nVersion: 1.0\n")
+    (about / "entry_points.txt").write_text("[holonom.sensors]\nnose = thrown_away_nose:METHOD\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    (sensor,) = built(write(tmp_path, text)).sensors
+    assert (sensor.name, sensor.robot, sensor.kind, sensor.sensor.read(None)) == ("left nostril", "", "nose", [2.0])

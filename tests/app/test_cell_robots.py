@@ -133,3 +133,16 @@ def test_drives_of_a_base_reach_its_limits(kind: str, drives: str, tmp_path: Pat
     assert motor.no_load_speed / base.drive.gear.ratio >= 1.3 * fastest * (1 - 1e-12)
     force = motor.torque_constant * motor.max_current * base.drive.gear.ratio * len(base.base.driven)
     assert force / base.base.wheel_radii.max() == pytest.approx(1.5 * 2.0 * 20.0 * 1.2)
+
+
+@pytest.mark.parametrize("kind", ARRANGEMENTS)
+def test_the_deck_covers_the_wheels_and_the_frame_on_it(kind: str, tmp_path: Path) -> None:
+    job = built(write(tmp_path, base_text(kind)))
+    base = job.bases[0]
+    deck = max((s for s in job.scene.shapes if s.frame == "base_link" and hasattr(s, "end")), key=lambda s: s.end[2])
+    middle = np.array(deck.end[:2])
+    assert base.frames["top"][2, 3] == pytest.approx(deck.end[2])
+    assert np.linalg.norm(middle) < deck.radius
+    assert all(np.hypot(*(middle - (w.x, w.y))) < deck.radius for w in base.base.wheels)
+    overview = job.scene.views[0]
+    assert np.linalg.norm(np.array(overview.eye) - overview.target) > 2.0 * deck.radius

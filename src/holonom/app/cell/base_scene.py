@@ -17,7 +17,7 @@ from holonom.mobile import Wheel, WheelBase
 from holonom.sim.base.plant import SIMULATED
 from holonom.spatial import pose
 
-__all__ = ["patch_shapes", "path_shapes", "rim_of", "shapes_of_base"]
+__all__ = ["patch_shapes", "path_shapes", "reach_of", "shapes_of_base"]
 
 Array = NDArray[np.float64]
 BODY, DECK, RUBBER, METAL, MARK = "#33415c", "#eef1f5", "#1f2937", "#aab4c3", "#d9480f"
@@ -63,23 +63,30 @@ def patch_shapes(patch: Patch) -> list[Shape]:
     return [Box("world", T, (*patch.size, 0.006), "#bfe3f5"), label]
 
 
-def rim_of(base: WheelBase) -> float:
-    """Distance of the farthest wheel from the middle of base_link; of one on a single ball twice its radius, m."""
-    return max(max(math.hypot(wheel.x, wheel.y) for wheel in base.wheels), 2.0 * base.wheels[0].radius)
+def reach_of(base: WheelBase) -> float:
+    """Distance of what is drawn of a base from the origin of its base_link at most, m."""
+    x, y, rim = _rim(base)
+    return math.hypot(x, y) + 1.12 * rim
+
+
+def _rim(base: WheelBase) -> tuple[float, float, float]:
+    """Middle of the wheels and distance of the farthest one from there; of a single ball twice its radius, m."""
+    places = np.array([(wheel.x, wheel.y) for wheel in base.wheels])
+    x, y = (float(v) for v in 0.5 * (places.min(axis=0) + places.max(axis=0)))
+    return x, y, max(float(np.hypot(*(places - (x, y)).T).max()), 2.0 * base.wheels[0].radius)
 
 
 def _body(base: WheelBase, frame: str) -> list[Shape]:
-    """A drum above and between the wheels, with a mark at its front; its deck is the frame "top"."""
-    r, rim = max(wheel.radius for wheel in base.wheels), rim_of(base)
-    top = deck_height(base)
-    low = max(0.35 * r, min(wheel.radius for wheel in base.wheels) * 0.35)
-    if any(wheel.kind == "spherical" and wheel.driven for wheel in base.wheels):
-        low = 1.6 * r
+    """A drum above and between the wheels, with a mark at its front; its deck is as high as the frame "top"."""
+    (x, y, rim), top = _rim(base), deck_height(base)
+    r = max(wheel.radius for wheel in base.wheels)
+    on_ball = any(wheel.kind == "spherical" and wheel.driven for wheel in base.wheels)
+    low = 1.6 * r if on_ball else 0.35 * r
     return [
-        Tube(frame, (0, 0, low), (0, 0, top - 0.4 * r), 0.72 * rim, BODY),
-        Tube(frame, (0, 0, top - 0.5 * r), (0, 0, top - 0.15 * r), 1.12 * rim, BODY),
-        Tube(frame, (0, 0, top - 0.15 * r), (0, 0, top), 1.06 * rim, DECK),
-        Box(frame, pose((0.62 * rim, 0.0, top + 0.04 * r)), (0.62 * rim, 0.12 * rim, 0.1 * r), MARK),
+        Tube(frame, (x, y, low), (x, y, top - 0.4 * r), 0.72 * rim, BODY),
+        Tube(frame, (x, y, top - 0.5 * r), (x, y, top - 0.15 * r), 1.12 * rim, BODY),
+        Tube(frame, (x, y, top - 0.15 * r), (x, y, top), 1.06 * rim, DECK),
+        Box(frame, pose((x + 0.62 * rim, y, top + 0.04 * r)), (0.62 * rim, 0.12 * rim, 0.1 * r), MARK),
     ]
 
 

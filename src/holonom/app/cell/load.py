@@ -7,7 +7,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from holonom.app.cell.model import Cell
-from holonom.app.cell.short import Written, written_out
+from holonom.app.cell.short import Misplaced, Written, written_out
 from holonom.app.toml_faults import line_of, parse_toml, worded_faults, written_key
 from holonom.app.toml_lines import key_lines
 from holonom.errors import CellError
@@ -52,8 +52,9 @@ def _written(path: Path, text: str) -> Written:
     data = parse_toml(path, text, CellError)
     try:
         return written_out(data)
-    except CellError as problem:
-        raise CellError(f"{path}:1: {problem}") from None
+    except Misplaced as problem:
+        line = line_of((problem.key,), key_lines(text))
+        raise CellError(f"{path}:{line}: {problem.key}: {problem}") from None
 
 
 def _read(path: Path) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.app.cell.arm_scene import arm_reach, shapes_of_arm
-from holonom.app.cell.base_scene import patch_shapes, path_shapes, rim_of, shapes_of_base
+from holonom.app.cell.base_scene import patch_shapes, path_shapes, reach_of, shapes_of_base
 from holonom.app.cell.camera import Seen, pixel_axes
 from holonom.app.cell.model import Cell
 from holonom.app.cell.places import placement_pose
@@ -141,7 +141,7 @@ def _extent(
         for way in [np.eye(4)] if foot == "world" else _ways(next(b for b in bases if b.name == _carrier(arm))):
             spheres.append(((way @ T)[:3, 3] + [0.0, 0.0, 0.3 * reach], reach))
     for base in bases:
-        spheres += [(way[:3, 3], 1.2 * rim_of(base.base)) for way in _ways(base)]
+        spheres += [(way[:3, 3], reach_of(base.base)) for way in _ways(base)]
     for surface in cell.surface:
         T = placement_pose(surface.pose)
         spheres += [((T @ pose((x, y, 0.0)))[:3, 3], 0.02) for x in (0, surface.size[0]) for y in (0, surface.size[1])]

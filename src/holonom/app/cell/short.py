@@ -13,7 +13,7 @@ from holonom.app.cell.robot import Robot
 from holonom.app.toml_lines import KeyPath
 from holonom.errors import CellError
 
-__all__ = ["SHORT", "Written", "written_out"]
+__all__ = ["SHORT", "Misplaced", "Written", "written_out"]
 
 ROBOT: KeyPath = ("robot", 0)
 _OF_ARM = {"gripper": "tool", "program": "program", "limits": "limits"}
@@ -23,6 +23,14 @@ _GYRO = {"noise": (0, "noise"), "bias": (0, "bias"), "acceleration_noise": (1, "
 """Keys of [gyro]: number of the sensor and its parameter."""
 SHORT = ("arm", "base", *_OF_ARM, *_OF_BASE, "table", "gyro", "faults")
 """Tables that short forms add to a cell's."""
+
+
+class Misplaced(CellError):
+    """A table that does not go with the others; `key` is its name."""
+
+    def __init__(self, key: str, text: str) -> None:
+        super().__init__(text)
+        self.key = key
 
 
 @dataclass
@@ -49,8 +57,8 @@ def written_out(data: Mapping[str, Any]) -> Written:
 
     Raises
     ------
-    CellError
-        Short forms that do not go together; the message begins with the key.
+    Misplaced
+        Short forms that do not go together.
     """
     found = Written(dict(data))
     _check_together(data)
@@ -69,18 +77,19 @@ def written_out(data: Mapping[str, Any]) -> Written:
 def _check_together(data: Mapping[str, Any]) -> None:
     robots = [key for key in ("arm", "base") if key in data]
     if len(robots) == 2:
-        raise CellError(
-            "tables [arm] and [base] came; a cell has one of them; make each a [[robot]], or give the other a file"
+        raise Misplaced(
+            "base",
+            "tables [arm] and [base] came; a cell has one of them; make each a [[robot]], or give the other a file",
         )
     if robots and "robot" in data:
-        raise CellError(f"tables [{robots[0]}] and [[robot]] came; make each a [[robot]]")
+        raise Misplaced(robots[0], f"tables [{robots[0]}] and [[robot]] came; make each a [[robot]]")
     of = _OF_ARM if "base" in data else _OF_BASE if "arm" in data else {}
     if "robot" in data:
         of = {**_OF_ARM, **_OF_BASE}
     for key, robot_key in of.items():
         if key in data and not ("base" in data and key == "limits"):
             owner = "[arm]" if key in _OF_ARM else "[base]"
-            raise CellError(f"table [{key}] came, which belongs to {owner}; a [[robot]] says so as {robot_key!r}")
+            raise Misplaced(key, f"table [{key}] came, which belongs to {owner}; a [[robot]] says so as {robot_key!r}")
 
 
 def _move(found: Written, key: str, to: KeyPath, value: Any = None) -> None:
@@ -163,7 +172,7 @@ def _gyro(found: Written) -> None:
     for number in (0, 1):
         found.places["sensor", number] = ("gyro",)
     if not isinstance(given, dict):
-        raise CellError(f"gyro: {given!r} came; a table is expected")
+        raise Misplaced("gyro", f"{given!r} came; a table is expected")
     for key, value in given.items():
         number, name = _GYRO.get(key, (0, key))
         sensors[number][name] = value
