@@ -197,7 +197,7 @@ def test_a_controller_and_a_sensor_of_another_package_run_from_a_cell(tmp_path: 
     points = "[holonom.controllers]\nspring = spring:METHOD\n\n[holonom.sensors]\nheight = height:METHOD\n"
     (info / "entry_points.txt").write_text(points, "utf-8")
     more = '\n[[sensor]]\nkind = "height"\nname = "gauge"\nrobot = "puma"\nnoise = 0.001\n'
-    cell = arm_cell(tmp_path, "  DRIVE 2, -10, 30", more)
+    cell = arm_cell(tmp_path, "  COARSE ALWAYS\n  DRIVE 2, -10, 30", more)
     text = cell.read_text("utf-8").replace('drives = "ideal"', 'controllers = ["spring"]')
     cell.write_text(text, "utf-8")
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), os.environ.get("PYTHONPATH", "")])}
@@ -208,7 +208,7 @@ def test_a_controller_and_a_sensor_of_another_package_run_from_a_cell(tmp_path: 
     assert done.returncode == 0, done.stdout + done.stderr
     recording = read_recording(tmp_path / "out" / "recording.mcap", robot="puma")
     moved = recording.true_joints.position[-1] - recording.true_joints.position[0]
-    np.testing.assert_allclose(np.degrees(moved), [0.0, -10.0, 0.0, 0.0, 0.0, 0.0], atol=0.1)
+    np.testing.assert_allclose(np.degrees(moved), [0.0, -10.0, 0.0, 0.0, 0.0, 0.0], atol=0.2)  # friction holds it off
     track = read_recording(tmp_path / "out" / "recording.mcap", robot="").tracks["/measured/sensors/gauge"]
     height = recording.tool.position[:, 2]
     error = track.fields["values"][:, 0] - np.interp(track.time, recording.tool.time, height)
@@ -227,7 +227,7 @@ from holonom.registry import Method, parameter
 @dataclass(frozen=True)
 class Spring:
     """A spring and a damper on every joint, with the arm's own weight carried."""
-    stiffness: float = parameter(400.0, meaning="stiffness over inertia", unit="1/s2", above=0.0, most=1e4)
+    stiffness: float = parameter(2500.0, meaning="stiffness over inertia", unit="1/s2", above=0.0, most=1e4)
 
     def torques(self, arm, reference, position, speed, dt):
         k = self.stiffness

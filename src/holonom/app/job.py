@@ -156,7 +156,8 @@ class SignalEvent:
 class Job:
     """All that a run needs.
 
-    `patches` are the names of the floor's patches; `fields` are where parts are to go; `scene` and `photograph` are what the report shows; `notes` are sentences about
+    `patches` are the names of the floor's patches; `fields` are where parts are to go; `scene` and `photograph` are
+    what the report shows; `notes` are sentences about
     what was assumed, for check, summary and report; `unreachable` are taught locations that no arm can go to.
     """
 

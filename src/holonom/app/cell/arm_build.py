@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.app.cell.camera import Seen, parts_for
-from holonom.app.cell.drives import ArmLimits, JointDrive, LevelsTable
+from holonom.app.cell.drives import ArmLimits, JointDrive, levels_of
 from holonom.app.cell.load import place_in
 from holonom.app.cell.model import Cell
 from holonom.app.cell.places import placement_pose
@@ -20,7 +20,7 @@ from holonom.app.cell.taught import taught_problems
 from holonom.app.job import ArmJob, Mount
 from holonom.errors import CellError, InputError, ModelError, ProgramFault, UnknownName
 from holonom.lang import Program, load_program, start
-from holonom.machine import ControlSettings, Levels, LineSettings
+from holonom.machine import ControlSettings, LineSettings
 from holonom.machine.arm.servos import check_drives
 from holonom.mechanics import Arm
 from holonom.mechanics.equations.inertia import fixed_to_body
@@ -260,11 +260,9 @@ def _these(names: list[str], joints: int) -> str:
 
 def _settings(robot: Robot, limits: ArmLimits, path: Path, at: tuple[str | int, ...]) -> tuple[ControlSettings, ...]:
     assert isinstance(robot.controllers, tuple)
-    key = "levels"
+    levels = levels_of(robot, place_in(path, *at, "levels"))
+    made = []
     try:
-        levels = Levels(**(robot.levels or LevelsTable.model_construct()).model_dump())
-        key = "controllers"
-        made = []
         for law in robot.controllers:
             own = {"law_bandwidth": law.params.law_bandwidth} if hasattr(law.params, "law_bandwidth") else {}
             settings = ControlSettings(
@@ -273,7 +271,7 @@ def _settings(robot: Robot, limits: ArmLimits, path: Path, at: tuple[str | int, 
             settings.law()
             made.append(settings)
     except InputError as problem:
-        raise CellError(f"{place_in(path, *at, key)}: {problem}") from None
+        raise CellError(f"{place_in(path, *at, 'controllers')}: {problem}") from None
     return tuple(made)
 
 

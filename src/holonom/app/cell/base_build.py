@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.app.cell.drives import BaseLimits, BaseParts, WheelDrive
+from holonom.app.cell.drives import BaseLimits, BaseParts, WheelDrive, levels_of
 from holonom.app.cell.load import place_in
 from holonom.app.cell.model import Cell
 from holonom.app.cell.places import placement_pose
@@ -90,7 +90,8 @@ def build_base_job(cell: Cell, number: int, path: Path, sensors: BaseSensors) ->
     called = robot.name or base.name
     faults = tuple(BaseFault(f.time, f.wheel, FAULTS[f.kind]) for f in cell.fault if cell.robot_of(f.robot) is robot)
     frames = {"base_link": np.eye(4), "top": pose((0.0, 0.0, deck_height(base)))}
-    job = BaseJob(robot.name, base, drive, drives, settings, sensors, start, task, faults, frames)
+    levels = levels_of(robot, place_in(path, "robot", number, "levels"))
+    job = BaseJob(robot.name, base, drive, drives, settings, sensors, start, task, faults, frames, levels)
     return job, tuple(f"{called}: {note}" for note in notes)
 
 

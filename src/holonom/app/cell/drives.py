@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field, Strict
 
 from holonom.app.cell_fields import Fraction, OneOf, Quantity, Section, Text
-from holonom.machine.levels import INTERPOLATIONS
+from holonom.errors import CellError, InputError
+from holonom.machine.levels import INTERPOLATIONS, Levels
 
-__all__ = ["ArmLimits", "BaseLimits", "BaseParts", "JointDrive", "LevelsTable", "WheelDrive"]
+if TYPE_CHECKING:
+    from holonom.app.cell.robot import Robot
+
+__all__ = ["ArmLimits", "BaseLimits", "BaseParts", "JointDrive", "LevelsTable", "WheelDrive", "levels_of"]
 
 
 class WheelDrive(Section):
@@ -124,3 +128,17 @@ class LevelsTable(Section):
     """that the law takes to compute"""
     interpolation: Annotated[str, OneOf(INTERPOLATIONS)] = "linear"
     """between the points of a path"""
+
+
+def levels_of(robot: Robot, place: str) -> Levels:
+    """Return the levels of a robot's controller: what its cell states at `place`, else what is usual.
+
+    Raises
+    ------
+    CellError
+        Periods that do not fit each other.
+    """
+    try:
+        return Levels(**(robot.levels or LevelsTable.model_construct()).model_dump())
+    except InputError as problem:
+        raise CellError(f"{place}: {problem}") from None

@@ -33,7 +33,7 @@ from holonom.model import Joint
 __all__ = ["GripperTool", "Robot", "RodTool"]
 
 _DEGREE = DIMENSIONS["angle"]["deg"]
-_ARM_ONLY = ("home", "tool", "levels", "program")
+_ARM_ONLY = ("home", "tool", "program")
 _BASE_ONLY = ("path", "velocity", "start", "done")
 _TASKS = ("program", "path", "velocity", "hold")
 
@@ -200,7 +200,7 @@ class Robot(Section):
     )
     """what the cell allows it"""
     levels: LevelsTable | None = None
-    """periods of the levels of an arm's controller"""
+    """periods of the levels of its controller; of a base, how often points of its path come"""
     program: ProgramTable | None = None
     """the robot program of an arm"""
     path: PathTable | None = None
