@@ -65,7 +65,7 @@ def test_tubes_reach_from_joint_to_joint(name: str, tmp_path: Path, data_folder:
 
 @pytest.mark.parametrize("name", ["ur5e", "scara", "three_joint"])
 def test_tubes_reach_from_frame_to_frame(name: str, tmp_path: Path) -> None:
-    """In an arm of standard Denavit-Hartenberg frames a link begins at the frame before its own, and ends at its own or at the tool."""
+    """With standard Denavit-Hartenberg frames a link goes from the frame before its own to its own, or to the tool."""
     job = built(write(tmp_path, f"{ABOUT}[[robot]]\nmodel = '{name}'\ndrives = 'ideal'\n"))
     arm = load_arm(name)
     frames = arm.frames(np.linspace(0.1, 0.15, arm.n))
