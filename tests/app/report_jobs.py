@@ -58,7 +58,7 @@ def arm_job(name: str = "", controllers: Sequence[str] = ("computed_torque",)) -
     """A Puma that draws."""
     return ArmJob(
         name, ARM, None, "motors", tuple(map(ControlSettings, controllers)), HOME,
-        compile_program(PROGRAM, "draw.arps"), None, (), None, Ground(), LineSettings(),
+        compile_program(PROGRAM, "draw.arps"), None, (), None, Ground(), LineSettings(), ARM,
     )  # fmt: skip
 
 

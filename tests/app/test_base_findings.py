@@ -59,6 +59,16 @@ def test_episodes_have_the_times_of_true_events_and_the_peak_of_the_track() -> N
     assert found.alarms == ()
 
 
+def test_peaks_that_words_tell_are_those_between_samples() -> None:
+    events = [
+        *truth("rear left", 2.0),
+        Event(2.1, "debug", "truth", "rear left grips, it slipped at up to 0.423 m/s"),
+        *truth("rear left", 2.12, 2.2),
+    ]
+    (one,) = findings_of(recording(slipping(("rear left", 2.0, 2.2)), events), FACTS).slips
+    assert (one.wheel, one.start, one.end, one.peak) == ("rear left", 2.0, 2.2, 0.423)
+
+
 def test_a_slip_that_is_found_late_ambiguous_or_never() -> None:
     slips = ("front left", 1.0, 1.3), ("rear right", 4.0, 4.3), ("rear left", 7.0, 7.2)
     words = [

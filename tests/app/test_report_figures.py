@@ -57,3 +57,18 @@ def test_a_section_shows_its_tables_and_escapes_them() -> None:
     assert '<section id="faults"' in page
     assert "<td>&lt;slip&gt;</td><td>1 s</td>" in page
     assert "a note" in page
+
+
+@pytest.mark.parametrize("end", [(0.0, 0.0), (0.0, 3.0), (3.0, 0.0), (1e-4, 2e-4), (1.0, 0.4)])
+def test_a_map_of_any_path_has_a_size_for_the_page(end: tuple[float, float]) -> None:
+    """Also of a base that stands, or drives sideways only; a metre is as long either way."""
+    path = np.linspace((0.0, 0.0), end, 20)
+    svg = topview_svg(TopView("map", [MapLine("driven", path, "#000")]))
+    width, height = (float(number) for number in re.search(r'viewBox="0 0 (\S+) (\S+)"', svg).groups())
+    assert height <= width
+    (line,) = points(svg, "polyline")
+    assert (line >= 0.0).all()
+    assert (line <= [width, height]).all()
+    if max(end) > 0.5:
+        assert np.ptp(line, axis=0).max() > 0.5 * width or end[0] == 1.0
+        assert np.ptp(line[:, 0]) * end[1] == pytest.approx(np.ptp(line[:, 1]) * end[0], rel=1e-2)

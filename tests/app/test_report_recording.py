@@ -193,6 +193,12 @@ def test_a_report_beside_its_recording_leaves_the_rest(two: Path, capsys) -> Non
     before = two.read_bytes()
     (two.parent / "summary.json").write_text("{}")
     assert main(["report", str(two)]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert said[:2] == ["a <test>: all is done after 2.0 s of simulated time", "1 of 1 parts in the tray: 1 small"]
+    assert "agv: 0.80 s: rear left slips; found after 8 ms, named after 8 ms" in said
+    assert "agv: 1.50 s: motor of front left dead; found after 30 ms" in said
+    assert "agv: 9.00 s: motor of rear right blocked; the run ended before" in said
+    assert "agv: whole run: path error rms 10.0 mm, peak 10.0 mm" in said
     assert two.read_bytes() == before
     assert (two.parent / "summary.json").read_text() == "{}"
     first = (two.parent / "report.html").read_bytes()

@@ -37,6 +37,7 @@ def arm_job(program: str | None, name: str = "", **changes: object) -> ArmJob:
         "gripper": None,
         "ground": Ground(),
         "line": LineSettings(),
+        "rated": PUMA,
     } | changes
     return ArmJob(**said)  # type: ignore[arg-type]
 

@@ -46,7 +46,7 @@ def _nothing_typed() -> None:
 
 def test_a_base_drives_its_path(tmp_path: Path) -> None:
     ended, rig, recording = run(job(base_job(line())), tmp_path)
-    assert (ended.ending, ended.reason) == (Ending.DONE, "done")
+    assert (ended.ending, ended.reason) == (Ending.DONE, "path driven")
     assert ended.time == pytest.approx(line().path.time[-1], abs=2e-3)
     np.testing.assert_allclose(recording.true_base.pose[-1], [1.0, 0.0, 0.0], atol=0.01)
     assert rig.bases[""].driven == 1.0

@@ -53,6 +53,8 @@ class ArmJob:
         Without a program it stands, for some time (s).
     look
         The parts that its camera sees.
+    rated
+        The arm as its model states it, where the cell keeps below its limits.
     gripper, ground, line
         Its hand, what lies under its tool, what 100 % means on lines.
     """
@@ -69,6 +71,7 @@ class ArmJob:
     gripper: Gripper | None
     ground: Ground
     line: LineSettings
+    rated: Arm
     hold: float = 0.0
 
 
@@ -153,7 +156,7 @@ class SignalEvent:
 class Job:
     """All that a run needs.
 
-    `fields` are where parts are to go; `scene` and `photograph` are what the report shows; `notes` are sentences about
+    `patches` are the names of the floor's patches; `fields` are where parts are to go; `scene` and `photograph` are what the report shows; `notes` are sentences about
     what was assumed, for check, summary and report; `unreachable` are taught locations that no arm can go to.
     """
 
@@ -170,6 +173,7 @@ class Job:
     obstacles: tuple[Obstacle, ...] = ()
     sensors: tuple[SensorJob, ...] = ()
     events: tuple[SignalEvent, ...] = ()
+    patches: tuple[str, ...] = ()
     fields: tuple[FieldPlace, ...] = ()
     scene: Scene = field(default_factory=lambda: Scene((), ()))
     photograph: PhotoOverlay | None = None

@@ -23,8 +23,8 @@ from holonom.app.report.attachments import attachments_of
 from holonom.app.report.reporting import report_html
 from holonom.app.report.source import source_of
 from holonom.app.report.summary import summary_of
+from holonom.app.report.told import told
 from holonom.app.rig import Ended, Ending, Rig, simulated
-from holonom.app.run_text import robot_lines, run_text
 from holonom.errors import ProgramError
 
 __all__ = ["run_cell"]
@@ -136,7 +136,7 @@ def _run(plan: Plan, folder: RunFolder, interrupts: Interrupts, *, quiet: bool, 
     for base in job.bases:
         encoder = base.drive.encoder
         words |= base_words(base.base, encoder.counts_per_rev, base.drive.gear.ratio, robot=base.name)
-    files = attachments_of(job, plan.controller)
+    files = attachments_of(job, plan.controller, rated=[arm.rated for arm in job.arms], patches=job.patches)
     with (
         Recorder(folder.path / plan.file, attachments=files, metadata=words) as recorder,
         Progress(job.name, expected_time(job), quiet=quiet) as progress,
@@ -178,11 +178,12 @@ def _tell(runs: list[Done], folder: RunFolder) -> Answer:
     summary = summary_of(source)
     folder.write(SUMMARY, json.dumps(summary, indent=2, allow_nan=False) + "\n")
     folder.write(REPORT, report_html(source))
-    last = runs[-1].ended
+    last, lines = runs[-1].ended, told(source, summary)
     if last.ending is Ending.FAILED and last.fault is not None:
-        what = "\n".join([str(last.fault), *(f"  {line}" for line in robot_lines(summary))])
+        what = "\n".join([str(last.fault), *(f"  {line}" for line in lines[1:])])
         raise type(last.fault)(f"{what}\n  what was recorded until then is in {folder.path}") from last.fault
     if last.ending is Ending.STOPPED:
         raise KeyboardInterrupt
     pace = round(runs[0].pace, 1)  # of the wall clock: not in the summary, which equal runs have in common
-    return Answer(run_text(summary, folder.path, pace), summary | {"real_time_factor": pace})
+    lines = [f"{lines[0]}, {pace:g} x real time", *lines[1:], f"report: {folder.path / REPORT}"]
+    return Answer("\n".join(lines), summary | {"real_time_factor": pace})

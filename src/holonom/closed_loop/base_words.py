@@ -32,6 +32,7 @@ class BaseWords:
         self._wheels, self._limit = tuple(wheels), slips
         self._said, self._silent = "", 0
         self._slipping = np.zeros(len(wheels), np.int64)  # ms for which each goes on slipping
+        self._most = np.zeros(len(wheels))  # m/s, largest slip since it began
         self._lost = 0
 
     def events(self, first: int, said: NDArray[np.void], slip: Array, goal: float) -> list[Event]:
@@ -60,12 +61,14 @@ class BaseWords:
                 name, left = self._wheels[wheel], self._slipping[wheel]
                 if over[k, wheel]:
                     self._slipping[wheel] = GRIP
+                    self._most[wheel] = max(abs(slip[k, wheel]), self._most[wheel] if left else 0.0)
                     if left == 0:
                         yield Event(1e-3 * (first + k), "debug", "truth", f"{name} slips")
                 else:
                     self._slipping[wheel] = left - 1
                     if left == 1:
-                        yield Event(1e-3 * (first + k), "debug", "truth", f"{name} grips")
+                        text = f"{name} grips, it slipped at up to {self._most[wheel]:.3f} m/s"
+                        yield Event(1e-3 * (first + k), "debug", "truth", text)
 
     def _slip(self, first: int, said: NDArray[np.void]) -> Iterator[Event]:
         slips = np.isin(said["status"], (SlipStatus.SLIP, SlipStatus.AMBIGUOUS))

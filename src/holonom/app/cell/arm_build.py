@@ -71,6 +71,7 @@ def build_arm_job(
     arm, more = _with_limits(arm, home)
     limits = robot.limits
     assert isinstance(limits, ArmLimits)
+    rated = arm
     arm = arm.with_limits(speed=limits.joint_speed, acceleration=limits.joint_acceleration)
     program = _program(robot, path, at)
     unreachable = _unreachable(arm, home, robot, program) if mount is None else ()
@@ -90,6 +91,8 @@ def build_arm_job(
         line=LineSettings(
             limits.line_speed, limits.line_acceleration, limits.rotation_speed, limits.rotation_acceleration
         ),
+        rated=rated,
+        hold=robot.hold or 0.0,
     )
     return ArmBuild(job, tuple(f"{called}: {note}" for note in (*notes, *more)), tuple(unreachable))
 

@@ -69,6 +69,7 @@ def build_job(cell: Cell, path: Path) -> Job:
         obstacles=obstacles,
         sensors=_sensors(cell, path),
         events=tuple(SignalEvent(event.at, event.signal, event.on) for event in cell.event),
+        patches=tuple(patch.name for patch in cell.patch),
         fields=_fields(cell, parts),
         scene=build_scene(cell, job_arms, bases, parts, obstacles, seen),
         photograph=overlay(cell, seen, parts) if seen is not None else None,

@@ -34,7 +34,7 @@ __all__ = ["GripperTool", "Robot", "RodTool"]
 
 _DEGREE = DIMENSIONS["angle"]["deg"]
 _ARM_ONLY = ("home", "tool", "levels", "program")
-_BASE_ONLY = ("path", "velocity", "hold", "start", "done")
+_BASE_ONLY = ("path", "velocity", "start", "done")
 _TASKS = ("program", "path", "velocity", "hold")
 
 

@@ -16,8 +16,8 @@ COMMANDS = Table(
     "an `Answer`; `params` are its options",
     {
         "run": "holonom.app.commands.run:COMMAND",
-        "report": "holonom.app.commands.report:COMMAND",
         "check": "holonom.app.commands.check:COMMAND",
+        "report": "holonom.app.commands.report:COMMAND",
         "calibrate dynamics": "holonom.app.commands.calibrate_dynamics:COMMAND",
         "calibrate odometry": "holonom.app.commands.calibrate_odometry:COMMAND",
         "methods": "holonom.app.commands.methods:COMMAND",

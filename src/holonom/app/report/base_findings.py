@@ -220,7 +220,7 @@ def _episode(wheel: str, spell: Spell, time: Array, slip: Array, said: Said) -> 
         wheel=wheel,
         start=spell.start,
         end=spell.end,
-        peak=float(seen.max()) if len(seen) else 0.0,
+        peak=max(spell.peak, float(seen.max()) if len(seen) else 0.0),
         detected=said.found_within(spell.start, until),
         identified=begins.get(wheel),
         named=tuple(sorted(begins, key=lambda name: begins[name])),
@@ -296,7 +296,7 @@ def _joined(spells: Sequence[Spell], gap: float = GAP) -> list[Spell]:
     found: list[Spell] = []
     for spell in spells:
         if found and spell.start - found[-1].end <= gap:
-            found[-1] = Spell(found[-1].start, spell.end)
+            found[-1] = Spell(found[-1].start, spell.end, max(found[-1].peak, spell.peak))
         else:
             found.append(spell)
     return found

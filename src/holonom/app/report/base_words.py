@@ -15,7 +15,7 @@ __all__ = ["Said", "Spell", "dead_since", "faults_of", "gripping_again", "said_o
 
 TRUTH, PLANT, DETECTOR, WATCH = "truth", "plant", "slip detection", "motor watch"
 """Sources of events."""
-NOW = re.compile(r"(?P<wheel>.+) (?P<what>slips|grips)$")
+NOW = re.compile(r"(?P<wheel>.+) (?P<what>slips|grips)(?:, it slipped at up to (?P<peak>[\d.]+) m/s)?$")
 NAMED = re.compile(r"(?P<wheels>.+?) slips?$")
 FAILS = re.compile(r"the motor of (?P<wheel>.+) (?P<how>dies|jams)$")
 LOST = re.compile(r"the motor of (?P<wheel>.+?) does not do as told")
@@ -23,10 +23,11 @@ KINDS = {"dies": "dead", "jams": "blocked"}
 
 
 class Spell(NamedTuple):
-    """From `start` to `end`, s."""
+    """From `start` to `end`, s; `peak` is the largest slip (m/s) as far as words tell it."""
 
     start: float
     end: float
+    peak: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +73,8 @@ def gripping_again(events: Sequence[Event], end: float) -> dict[str, list[Spell]
         if found and found["what"] == "slips":
             begun.setdefault(found["wheel"], event.time)
         elif found and found["wheel"] in begun:
-            spells[found["wheel"]].append(Spell(begun.pop(found["wheel"]), event.time))
+            peak = float(found["peak"] or 0.0)
+            spells[found["wheel"]].append(Spell(begun.pop(found["wheel"]), event.time, peak))
     for wheel, start in begun.items():
         spells[wheel].append(Spell(start, end))
     return dict(spells)

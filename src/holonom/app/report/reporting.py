@@ -14,6 +14,7 @@ from holonom.app.report.section_table import parts_of
 from holonom.app.report.sections import Outcome
 from holonom.app.report.source import Source, source_of
 from holonom.app.report.summary import GOOD, placed_parts, summary_of
+from holonom.app.report.told import told
 
 __all__ = ["report_html", "report_recording"]
 
@@ -39,8 +40,9 @@ def report_recording(recording: Path, output: Path) -> Answer:
     page = report_html(source)
     with RunFolder(output, keep=True) as folder:
         path = folder.write(REPORT, page)
-    lines = [f"{source.cell.title}: {source.ending.reason}", f"report: {path}"]
-    return Answer("\n".join(lines), summary_of(source) | {"report": str(path)})
+    summary = summary_of(source)
+    lines = [*told(source, summary), f"report: {path}"]
+    return Answer("\n".join(lines), summary | {"report": str(path)})
 
 
 def report_html(source: Source) -> str:

@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 _WIDTH = 1080.0
 _MARGIN = 36.0
 _POINTS = 1500
+_LEAST = 0.1
+"""Extent (m) of the map of a base that hardly moves."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,8 +61,8 @@ class TopView:
 def topview_svg(view: TopView) -> str:
     """The map, with a metre's grid and room for the names of marks."""
     points = np.concatenate([line.points for line in view.lines] + [patch.corners for patch in view.patches])
-    low, high = points.min(axis=0), points.max(axis=0)
-    extent = np.maximum(high - low, 1e-3)
+    low, high = _room(points)
+    extent = high - low
     scale = (_WIDTH - 2 * _MARGIN) / extent[0]
     height = 2 * _MARGIN + scale * extent[1]
 
@@ -75,6 +77,15 @@ def topview_svg(view: TopView) -> str:
     body += "".join(_line(line, place(line.points)) for line in view.lines)
     body += _marks(view.marks, np.array([place(np.array(mark.place)) for mark in view.marks]), height)
     return f'<svg viewBox="0 0 {_WIDTH:g} {height:.0f}" role="img" aria-label="{escape(view.title)}">{body}</svg>'
+
+
+def _room(points: Array) -> tuple[Array, Array]:
+    """Corners of what is shown: all points, no less than `_LEAST` either way, and no higher than wide."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    wanted = np.maximum(high - low, _LEAST)
+    wanted[0] = max(wanted)
+    more = np.where(high - low < wanted, 0.5 * (wanted - (high - low)), 0.0)
+    return low - more, high + more
 
 
 def _grid(low: Array, high: Array, place: Callable[[Array], Array]) -> str:

@@ -208,7 +208,17 @@ class Rig:
             return Ended(Ending.STOPPED, "stopped by the operator", self.time)
         if any(robot.paused for robot in self.robots):
             return Ended(Ending.PAUSED, "program at PAUSE", self.time)
-        return Ended(Ending.DONE, "done", self.time)
+        return Ended(Ending.DONE, self._what(), self.time)
+
+    def _what(self) -> str:
+        """What was done."""
+        if len(self.robots) > 1:
+            return "all done"
+        if self.arms:
+            return "program ended" if self.job.arms[0].program is not None else "it stood"
+        task = self.job.bases[0].task
+        driven = "path driven" if task.path is not None else "held its place"
+        return "velocities driven" if task.velocities is not None else driven
 
     def ending(self, ended: Ended) -> EndingFacts:
         """How it ended, with what no track holds: the worst of each joint at the controllers' own rates."""

@@ -60,6 +60,7 @@ class Replay {
 
   showTool() {
     const track = this.stage.tracks.get(data.scene.tool);
+    for (const id of ["tool", "pace"]) $(id).parentElement.hidden = !track;
     if (!track) return;
     const { x, y, z } = track.group.position;
     $("tool").textContent = [x, y, z].map((value) => (1000 * value).toFixed(1)).join(" · ") + " mm";

@@ -17,6 +17,7 @@ __all__ = ["SECTION"]
 
 REFERENCE, TRUE, BELIEVED, OTHER = "#16202e", "#0f766e", "#8f7ae0", "#f0a37f"
 PATCH, MARK = "#bfe3f5", "#b3261e"
+COLOURS = ("#0b7285", "#d9480f", "#5f3dc4", "#2b8a3e", "#c2255c", "#9c6f00", "#1864ab", "#495057")
 MARKS, ROWS = 40, 200
 """Marks on a map and rows of the table; more cannot be read."""
 NOTE = (
@@ -26,7 +27,19 @@ NOTE = (
 
 
 def _parts(source: Source) -> Sequence[Figures]:
-    return [_section(source, robot, motion) for robot, motion in _moving(source)]
+    moving = _moving(source)
+    together = [_together(source, moving)] if len(moving) > 1 else []
+    return [*together, *(_section(source, robot, motion) for robot, motion in moving)]
+
+
+def _together(source: Source, moving: Sequence[tuple[RobotSource, Motion]]) -> Figures:
+    """Where all of them drove."""
+    lines = [MapLine(robot.name, m.true[:, :2], COLOURS[k % len(COLOURS)]) for k, (robot, m) in enumerate(moving)]
+    return Figures("paths", "Paths of all bases", [TopView("seen from above", lines, _patches(source))])
+
+
+def _patches(source: Source) -> list[MapPatch]:
+    return [MapPatch(patch.name, np.array(patch.corners), PATCH) for patch in source.cell.patches]
 
 
 def _moving(source: Source) -> list[tuple[RobotSource, Motion]]:
@@ -38,8 +51,7 @@ def _section(source: Source, robot: RobotSource, motion: Motion) -> Figures:
     found = findings_of(robot.recording, robot.facts)
     other = robot.beside.get(BARE)
     bare = motion_of(other.recording) if other is not None else None
-    patches = [MapPatch(patch.name, np.array(patch.corners), PATCH) for patch in source.cell.patches]
-    map_ = TopView("seen from above", _lines(motion, bare), patches, _marks(found, motion))
+    map_ = TopView("seen from above", _lines(motion, bare), _patches(source), _marks(found, motion))
     title = robot.called("Path")
     return Figures(robot.key("path"), title, [map_, _table(found, motion, bare)], NOTE)
 
