@@ -63,6 +63,23 @@ def test_tubes_reach_from_joint_to_joint(name: str, tmp_path: Path, data_folder:
                 np.testing.assert_allclose(end, axes[i + 1], atol=1e-9)
 
 
+@pytest.mark.parametrize("name", ["ur5e", "scara", "three_joint"])
+def test_tubes_reach_from_frame_to_frame(name: str, tmp_path: Path) -> None:
+    """With standard Denavit-Hartenberg frames a link goes from the frame before its own to its own, or to the tool."""
+    job = built(write(tmp_path, f"{ABOUT}[[robot]]\nmodel = '{name}'\ndrives = 'ideal'\n"))
+    arm = load_arm(name)
+    frames = arm.frames(np.linspace(0.1, 0.15, arm.n))
+    bars = [shape for shape in job.scene.shapes if shape.frame.startswith("link") and getattr(shape, "rounded", False)]
+    assert bars
+    for bar in bars:
+        i = int(bar.frame[4:])
+        T = frames[i]
+        start, end = (T[:3, :3] @ np.array(p) + T[:3, 3] for p in (bar.start, bar.end))
+        if arm.model.joints[i - 1].kind == "revolute" and bar.colour == "#eef1f5":
+            np.testing.assert_allclose(start, frames[i - 1][:3, 3], atol=1e-9)
+            assert min(np.linalg.norm(end - frames[k][:3, 3]) for k in (i, -1)) < 1e-9
+
+
 EXTRA = {"omni": "n = 3\n", "swerve": 'wheelbase = "0.4m"\ntrack = "0.3m"\n'}
 SIMULATED = ("differential", "omni", "mecanum")
 

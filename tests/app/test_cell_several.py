@@ -96,3 +96,21 @@ def test_a_hand_that_is_not_there(tmp_path: Path) -> None:
     (failure,) = rehearse(job, job.arms[0]).failures
     assert "p.arps:2:" in failure
     assert "this arm has no hand" in failure
+
+
+def test_where_velocities_end(tmp_path: Path) -> None:
+    """Arcs, against many small steps."""
+    text = (CELLS / "six_bases.toml").read_text("utf-8")
+    steps = '{ at = "0s", vx = "0.3m/s", vy = "0.2m/s", w = "0.7rad/s" }, { at = "1.5s", vy = "0.1m/s" }, { at = "2s" }'
+    text = text.replace(
+        '{ at = "0s", vx = "0.5m/s", vy = "0.1m/s" }, { at = "2s", w = "60deg/s" }, { at = "3s" }', steps
+    )
+    base = built(write(tmp_path, text)).bases[1]
+    x, y, angle = base.pose
+    dt = 1e-4
+    for k in range(20000):
+        vx, vy, w = base.task.velocities[0 if k < 15000 else 1, 1:]
+        turn = angle + 0.5 * w * dt
+        x, y = x + dt * (vx * np.cos(turn) - vy * np.sin(turn)), y + dt * (vx * np.sin(turn) + vy * np.cos(turn))
+        angle += w * dt
+    np.testing.assert_allclose(end_of(base), [x, y, angle], atol=1e-7)
