@@ -121,6 +121,20 @@ FAULTS = {
         r"robot\[0\].levels.interpolation",
         "did you mean 'cubic'",
     ),
+    "levels of a base": (
+        'levels = { supervisor = "50ms", interpolation = "hold" }',
+        'levels = { supervisor = "50ms", servo = "2ms" }',
+        'servo = "2ms"',
+        r"robot\[1\].levels.servo",
+        "a base's levels are supervisor and interpolation",
+    ),
+    "levels without a path": (
+        'hold = "3s"',
+        'hold = "3s"\nlevels = { supervisor = "50ms" }',
+        'levels = { supervisor = "50ms" }',
+        r"robot\[3\].levels",
+        "give it a path",
+    ),
     "program": (
         'file = "wave.arps"',
         'file = "waves.arps"',
@@ -135,11 +149,11 @@ FAULTS = {
         r"robot\[3\].program",
         "a base has none",
     ),
-    "path of an arm": (
+    "done of an arm": (
         "[robot.program]",
-        'hold = "1s"\n[robot.program]',
-        'hold = "1s"',
-        r"robot\[0\].hold",
+        "done = 3\n[robot.program]",
+        "done = 3",
+        r"robot\[0\].done",
         "an arm has none; give it a program",
     ),
     "two tasks": (
@@ -248,6 +262,7 @@ def test_an_arm_cannot_stand_on_an_arm_nor_a_base_on_anything(tmp_path: Path) ->
     ("old", "new", "place", "said"),
     [
         ('entry = "wave"', 'entry = "weave"', r"robot\[0\].program.entry", "weave"),
+        ('"50ms", inter', '"50.2ms", inter', r"robot\[1\].levels", "supervisor is 0.0502 s"),
         ('delay = "2ms"', 'delay = "20ms"', r"robot\[0\].levels", "delay is 0.02 s"),
         ('time_limit = "60s"', 'time_limit = "5s"', r"cell.time_limit", "the path takes"),
         (

@@ -61,6 +61,7 @@ def test_every_key_of_a_base(job: Job) -> None:
     shaping = agv.settings.shaping
     assert (shaping.speed, shaping.acceleration, shaping.jerk) == (1.0, 0.8, 9.0)
     assert shaping.turn_rate == pytest.approx(math.radians(90))
+    assert (agv.levels.supervisor, agv.levels.interpolation) == (0.05, "hold")
     assert shaping.turn_jerk == pytest.approx(math.radians(1000))
     assert (agv.settings.slip, agv.settings.traction, agv.settings.watch) == (None, None, None)
     assert (agv.task.start, agv.task.after, agv.task.done) == (2.0, None, 7)

@@ -221,6 +221,7 @@ class Robot(Section):
         else:
             self._refuse(_ARM_ONLY, "a base has none; give it path, velocity or hold")
             self._refuse(("on",), "a base stands on the floor; leave `on` out")
+            self._check_base_levels()
         given = [task for task in _TASKS if getattr(self, task) is not None]
         if len(given) > 1:
             raise refuse((given[1],), f"{' and '.join(given)} came; a robot has one of them")
@@ -229,6 +230,14 @@ class Robot(Section):
         if self.pose is not None and not self.is_arm and (self.pose.position[2] or self.pose.roll or self.pose.pitch):
             raise refuse(("pose",), "a base stands level on the floor; z, roll and pitch are 0")
         return self
+
+    def _check_base_levels(self) -> None:
+        if self.levels is None:
+            return
+        if self.path is None:
+            raise refuse(("levels",), "it came; of a base they are how often points of its path come; give it a path")
+        for key in sorted(self.levels.model_fields_set - {"supervisor", "interpolation"}):
+            raise refuse(("levels", key), "it came; a base's levels are supervisor and interpolation")
 
     def _refuse(self, keys: tuple[str, ...], why: str) -> None:
         for key in keys:
