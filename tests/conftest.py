@@ -32,7 +32,7 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Of an unchanged tree, the second run compiles none (tests of compiling itself keep their own count)."""
     log = Path(os.environ["HOLONOM_CACHE_LOG"])
-    lines = [line.split() for line in log.read_text("utf-8").splitlines()] if log.exists() else []
+    lines = [line.split(maxsplit=1) for line in log.read_text("utf-8").splitlines()] if log.exists() else []
     compiled = [title for what, title in lines if what == "compiled"]
     terminalreporter.write_line(f"kernels: {len(compiled)} compiled, {len(lines) - len(compiled)} loaded")
     for title in sorted(set(compiled))[:20]:

@@ -269,7 +269,7 @@ def test_an_arm_cannot_stand_on_an_arm_nor_a_base_on_anything(tmp_path: Path) ->
             'robot = "agv"\nname = "compass"',
             'robot = "puma"\nname = "compass"',
             r"sensor\[0\].kind",
-            "no read\\(truth\\)",
+            "no read\\(truth, rng\\)",
         ),
         (
             'pose = { position = ["1m", "0m", "0m"]',

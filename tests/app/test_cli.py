@@ -7,7 +7,7 @@ import json
 import re
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -25,7 +25,7 @@ def give_run(monkeypatch: pytest.MonkeyPatch, outcome: Answer | BaseException) -
     """Put a command `run` with a given outcome in place of the real one; returns its calls as they come."""
     calls: list[tuple[Any, ...]] = []
 
-    def run_cell(cell: Path, output: Path, *, seed: int | None, quiet: bool) -> Answer:
+    def run_cell(cell: Path, output: Path, *, seed: int | None, quiet: bool, say: Callable[[str], None]) -> Answer:
         calls.append((cell, output, seed, quiet))
         if isinstance(outcome, BaseException):
             raise outcome

@@ -12,7 +12,7 @@ from simulated_bases import BASES, DRIVE
 
 from holonom.closed_loop import BaseLoop
 from holonom.control.shaping import ShapingSettings
-from holonom.control.velocity_kernels import AxisShape, shaping_step
+from holonom.control.shaping_kernels import AxisShape, shaping_step
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.machine import BaseController, BaseSettings, PathLimits, plan_path
 from holonom.machine.base.kernels import DONE

@@ -14,7 +14,8 @@ from holonom.sim.arm.world import Disc, Fingers, Gripper, Surface, World
 from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch
 from holonom.sim.base.log import BaseTruth
 from holonom.sim.base.plant import BaseFault, BasePlant
-from holonom.sim.methods import PLANTS, SENSORS
+from holonom.sim.plants import PLANTS
+from holonom.sim.sensors import SENSORS
 
 __all__ = [
     "CARPET",

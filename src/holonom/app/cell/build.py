@@ -135,7 +135,7 @@ def _sensors(cell: Cell, path: Path) -> tuple[SensorJob, ...]:
 def _why_not(sensor: Sensor, robot: Robot) -> str:
     what = "an arm" if robot.is_arm else "a base"
     return (
-        f"{sensor.method.name!r} cannot be read on {what}: what its table makes has no read(truth); "
+        f"{sensor.method.name!r} cannot be read on {what}: what its table makes has no read(truth, rng); "
         f"a base takes {', '.join(name for name in SENSORS if SENSORS[name].record in OF_BASES)}; encoders are stated "
         "in drives"
     )

@@ -208,7 +208,7 @@ class Robot(Section):
     velocity: Annotated[tuple[TwistTable, ...], Field(min_length=1)] | None = None
     """the velocities that a base is to follow"""
     hold: Annotated[float, Quantity("time", "0ms", "1440min")] | None = None
-    """how long a base is to stand where it is"""
+    """how long it is to stand where it is"""
     start: StartTable | None = None
     """when its path or velocities begin: a time, or { signal = 5 }"""
     done: SignalNumber | None = None

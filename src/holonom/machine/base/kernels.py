@@ -22,13 +22,12 @@ from holonom.control.base_kernels import (
     reference_at,
     wanted_acceleration,
 )
-from holonom.control.velocity_kernels import drivable_twist, shaping_step
+from holonom.control.shaping_kernels import drivable_twist, shaping_step
 from holonom.devices.drive_signals import WheelSignals
 from holonom.machine.base.params import BaseParams, BaseTask, Work
 from holonom.machine.base.wheel_kernels import (
     control_traction,
     creep,
-    drive_wheels,
     driven_part,
     rim_force,
     rim_speed,
@@ -36,6 +35,7 @@ from holonom.machine.base.wheel_kernels import (
     set_weights,
     share_force,
     watch_motors,
+    wheel_voltage,
 )
 from holonom.mobile.drive.slip_kernels import SlipState, slip_step
 from holonom.trace.loops import loop
@@ -226,7 +226,7 @@ def _drive(
         push = part * rim_force(own, force)
         if params.control_traction:
             push = control_traction(params.traction, wheel, own, rim_speed(wheel, twist), push)
-        drive_wheels(wheel, own, push, rim_speed(wheel, wanted))
+        wheel_voltage(wheel, own, push, rim_speed(wheel, wanted))
         store(signals.voltages, i, own.voltage)
         store(signals.speeds, i, own.works * own.rim_reference / wheel.radius)
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.control.base_kernels import EstimateParams, KeepingParams, TractionParams, WatchParams
-from holonom.control.velocity_kernels import ShapingParams
+from holonom.control.shaping_kernels import ShapingParams
 from holonom.mobile.drive.slip_kernels import SlipParams
 
 __all__ = ["BaseParams", "BaseTask", "Work"]

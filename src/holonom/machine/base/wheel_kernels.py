@@ -40,7 +40,6 @@ from holonom.trace.simd import WIDTH, largest, packed
 __all__ = [
     "control_traction",
     "creep",
-    "drive_wheels",
     "driven_part",
     "rim_force",
     "rim_speed",
@@ -48,6 +47,7 @@ __all__ = [
     "set_weights",
     "share_force",
     "watch_motors",
+    "wheel_voltage",
 ]
 
 SLIPPING_WEIGHT = 0.3  # in the allocation of force: a wheel on ice is asked last
@@ -149,8 +149,8 @@ def control_traction(params: TractionParams, wheel: Any, own: Any, ground: float
 
 
 @loop(error_model="numpy", forceinline=True)
-def drive_wheels(wheel: Any, own: Any, force: float, acceleration: float) -> None:
-    """Speed loop and voltage of a wheel, fed forward the force (N) and acceleration (m/s2) of its rim."""
+def wheel_voltage(wheel: Any, own: Any, force: float, acceleration: float) -> None:
+    """Speed loop of a wheel and the voltage that it asks for, fed forward its rim's force (N), acceleration (m/s2)."""
     ratio, r = wheel.gear.ratio, wheel.radius
     speed = ratio * own.rim_reference / r
     torque = (force * r + wheel.inertia * acceleration / r) / (ratio * wheel.gear.efficiency)

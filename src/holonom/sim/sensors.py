@@ -1,4 +1,4 @@
-"""Tables of what can be simulated: plants, and the sensors on and over them."""
+"""The table of sensors: what measures a simulated robot or its work pieces."""
 
 from __future__ import annotations
 
@@ -7,28 +7,8 @@ from typing import Any
 
 from holonom.devices import Accelerometer, CurrentShunt, Encoder, Gyro
 from holonom.registry import Method, Table, check_fields, parameter
-from holonom.sim.arm.plant import ArmPlant
-from holonom.sim.base.plant import BasePlant
 
-__all__ = ["PLANTS", "SENSORS", "CameraPoints"]
-
-PLANTS = Table(
-    "plants",
-    "plant",
-    "its class",
-    {
-        "arm_with_drives": Method(
-            "an arm with motors, gears, encoders and friction, down to the armature current",
-            lambda _: ArmPlant,
-            "Craig, Introduction to Robotics, ch. 6, 9; Leonhard, Control of Electrical Drives",
-        ),
-        "base_on_wheels": Method(
-            "a mobile base with motors, slip and a rigid body",
-            lambda _: BasePlant,
-            "Rojas, Foerster, Holonomic Control of a robot with an omnidirectional drive; specification 06.2",
-        ),
-    },
-)
+__all__ = ["SENSORS", "CameraPoints"]
 
 
 @dataclass(frozen=True, slots=True)
