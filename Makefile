@@ -9,11 +9,12 @@ INSTALL = $(BIN)/python -m pip install --quiet --disable-pip-version-check -c co
 
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench docs clean
+.PHONY: help demo test peers check bench docs clean
 
 help:
 	@echo "make demo    a Puma 560 sorts the coins it sees in a photograph; writes $(DEMO)/report.html"
 	@echo "make test    lint, types, layers, then every test (PYTEST_ARGS='-k ik' narrows them)"
+	@echo "make peers   the same quantities by peer libraries, and every benchmark once, small"
 	@echo "make check   lint, types and layers only"
 	@echo "make bench   speed beside the peer libraries"
 	@echo "make docs    HTML documentation in docs/_build/html"
@@ -24,9 +25,12 @@ demo: $(VENV)/demo.stamp
 	@echo "Report: file://$(CURDIR)/$(DEMO)/report.html"
 
 test: check
-	$(BIN)/python -m pytest $(PYTEST_ARGS)
+	$(BIN)/python -m pytest -m 'not oracle' $(PYTEST_ARGS)
 
-check: $(VENV)/all.stamp
+peers: $(VENV)/all.stamp
+	$(BIN)/python -m pytest -m oracle $(PYTEST_ARGS)
+
+check: $(VENV)/test.stamp
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -50,11 +54,15 @@ $(BIN)/python:
 	$(PYTHON) -m venv $(VENV) || \
 	  { $(PYTHON) -m venv --clear --without-pip $(VENV) && $(PYTHON) -m pip --python $@ install --quiet pip; }
 
-# Two stamps, so that the demo does not wait for the peers and the test tools.
+# Three stamps: the demo does not wait for the test tools, the tests not for the peers.
 $(VENV)/demo.stamp: pyproject.toml constraints.txt | $(BIN)/python
 	$(INSTALL) '.[vision]'
 	@touch $@
 
+$(VENV)/test.stamp: pyproject.toml constraints.txt | $(BIN)/python
+	$(INSTALL) '.[vision,xacro,motion,plots,symbolic,test]'
+	@touch $@ $(VENV)/demo.stamp
+
 $(VENV)/all.stamp: pyproject.toml constraints.txt | $(BIN)/python
 	$(INSTALL) '.[all]'
-	@touch $@ $(VENV)/demo.stamp
+	@touch $@ $(VENV)/demo.stamp $(VENV)/test.stamp

@@ -9,6 +9,7 @@ from holonom.app.cli import main
 from holonom.errors import UnknownName
 
 
+@pytest.mark.oracle
 def test_every_benchmark_runs(tmp_path, capsys):
     assert main(["bench", "--small", "--json", "-o", str(tmp_path)]) == 0
     figures = json.loads(capsys.readouterr().out)["figures"]

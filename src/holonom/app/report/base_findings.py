@@ -273,7 +273,9 @@ def _phases(recording: Recording, slips: Sequence[SlipEpisode], faults: Sequence
     reached = [fault for fault in faults if fault.time < end]
     changes = sorted({fault.time for fault in reached})
     first = min([*changes, *(slip.start for slip in slips), end])
-    found = [Phase("whole run", 0.0, end), Phase("before the first fault", 0.0, first)]
+    found = [Phase("whole run", 0.0, end)]
+    if first < end:
+        found.append(Phase("before the first fault", 0.0, first))
     found += [Phase(f"{slip.wheel} slips", slip.start, min(slip.end + AFTER, end)) for slip in slips]
     for fault in reached:
         until = min([t for t in changes if t > fault.time], default=end)
