@@ -260,7 +260,7 @@ def _these(names: list[str], joints: int) -> str:
 
 def _settings(robot: Robot, limits: ArmLimits, path: Path, at: tuple[str | int, ...]) -> tuple[ControlSettings, ...]:
     assert isinstance(robot.controllers, tuple)
-    levels = levels_of(robot, place_in(path, *at, "levels"))
+    levels = levels_of(robot.levels, place_in(path, *at, "levels"))
     made = []
     try:
         for law in robot.controllers:

@@ -90,7 +90,7 @@ def build_base_job(cell: Cell, number: int, path: Path, sensors: BaseSensors) ->
     called = robot.name or base.name
     faults = tuple(BaseFault(f.time, f.wheel, FAULTS[f.kind]) for f in cell.fault if cell.robot_of(f.robot) is robot)
     frames = {"base_link": np.eye(4), "top": pose((0.0, 0.0, deck_height(base)))}
-    levels = levels_of(robot, place_in(path, "robot", number, "levels"))
+    levels = levels_of(robot.levels, place_in(path, "robot", number, "levels"))
     job = BaseJob(robot.name, base, drive, drives, settings, sensors, start, task, faults, frames, levels)
     return job, tuple(f"{called}: {note}" for note in notes)
 

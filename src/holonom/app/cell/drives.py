@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from pydantic import Field, Strict
 
 from holonom.app.cell_fields import Fraction, OneOf, Quantity, Section, Text
 from holonom.errors import CellError, InputError
 from holonom.machine.levels import INTERPOLATIONS, Levels
-
-if TYPE_CHECKING:
-    from holonom.app.cell.robot import Robot
 
 __all__ = ["ArmLimits", "BaseLimits", "BaseParts", "JointDrive", "LevelsTable", "WheelDrive", "levels_of"]
 
@@ -130,7 +127,7 @@ class LevelsTable(Section):
     """between the points of a path"""
 
 
-def levels_of(robot: Robot, place: str) -> Levels:
+def levels_of(table: LevelsTable | None, place: str) -> Levels:
     """Return the levels of a robot's controller: what its cell states at `place`, else what is usual.
 
     Raises
@@ -139,6 +136,6 @@ def levels_of(robot: Robot, place: str) -> Levels:
         Periods that do not fit each other.
     """
     try:
-        return Levels(**(robot.levels or LevelsTable.model_construct()).model_dump())
+        return Levels(**(table or LevelsTable.model_construct()).model_dump())
     except InputError as problem:
         raise CellError(f"{place}: {problem}") from None
