@@ -262,6 +262,7 @@ def test_an_arm_cannot_stand_on_an_arm_nor_a_base_on_anything(tmp_path: Path) ->
     ("old", "new", "place", "said"),
     [
         ('entry = "wave"', 'entry = "weave"', r"robot\[0\].program.entry", "weave"),
+        ('"-100mm", "300mm"', '"-100mm", "700mm"', r"robot\[0\].home", "tool begins 131 mm below the surface"),
         ('"50ms", inter', '"50.2ms", inter', r"robot\[1\].levels", "supervisor is 0.0502 s"),
         ('delay = "2ms"', 'delay = "20ms"', r"robot\[0\].levels", "delay is 0.02 s"),
         ('time_limit = "60s"', 'time_limit = "5s"', r"cell.time_limit", "the path takes"),

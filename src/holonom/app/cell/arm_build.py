@@ -36,6 +36,8 @@ RUN_UP = 0.25
 """s in which a joint without an acceleration limit reaches its speed limit, where its torque allows."""
 BESIDE = 0.01
 """Part of a joint's range by which a home that nobody states keeps away from its limits."""
+SUNK = 1e-3
+"""m that the tool of an arm may begin within a surface."""
 SLOW = {"prismatic": 0.25}
 """Speed limit of a joint that states none, m/s; of others `SLOW_TURN`."""
 SLOW_TURN = 1.0  # rad/s
@@ -60,7 +62,7 @@ def build_arm_job(
     Raises
     ------
     CellError
-        Its drives, controllers, levels or the entry of its program.
+        Its drives, controllers, levels or the entry of its program; a home at which its tool is below its surface.
     ProgramError
         The program or its location file.
     """
@@ -75,6 +77,13 @@ def build_arm_job(
     arm = arm.with_limits(speed=limits.joint_speed, acceleration=limits.joint_acceleration)
     program = _program(robot, path, at)
     unreachable = _unreachable(arm, home, robot, program) if mount is None else ()
+    ground = _ground(cell, robot, height if mount is not None else None)
+    sunk = ground.height - float(arm.fk(home)[2, 3])
+    if sunk > SUNK:
+        raise CellError(
+            f"{place_in(path, *at, 'home')}: {called}'s tool begins {1e3 * sunk:.0f} mm below the surface that it "
+            "works over; give another home, or move the robot or the surface"
+        )
     hand = robot.tool if isinstance(robot.tool, GripperTool) else None
     job = ArmJob(
         name=robot.name,
@@ -87,7 +96,7 @@ def build_arm_job(
         entry=robot.program.entry if robot.program is not None else None,
         look=parts_for(hand, cell, seen) if hand is not None and seen is not None else (),
         gripper=_gripper(hand) if hand is not None else None,
-        ground=_ground(cell, robot, height if mount is not None else None),
+        ground=ground,
         line=LineSettings(
             limits.line_speed, limits.line_acceleration, limits.rotation_speed, limits.rotation_acceleration
         ),
