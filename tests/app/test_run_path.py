@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import random
@@ -19,8 +20,10 @@ import pytest
 from mcap.exceptions import EndOfFile
 from mcap.reader import NonSeekingReader
 
+from holonom import load_arm
 from holonom.app.cli import main
 from holonom.app.recording import read_recording
+from holonom.model import PRESETS
 
 BASE = """
 [cell]
@@ -253,17 +256,32 @@ METHOD = Method("how high the tool is", lambda params: params, "a throw-away", H
 '''
 
 
-def test_every_preset_runs_or_says_why(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """All arm presets, from a cell of five lines."""
-    from holonom.model import PRESETS
-
+def run_each(folder: Path, names: list[str], capsys: pytest.CaptureFixture[str]) -> dict[str, str]:
+    """Check and run each arm in a small cell, with the drives that it has and with ideal ones; say what failed."""
     failed: dict[str, str] = {}
-    for name in PRESETS:
-        first = "DRIVE 1, 5, 50"
-        (tmp_path / f"{name}.arps").write_text(f".PROGRAM main()\n  {first}\n.END\n", "utf-8")
-        robot = f'[[robot]]\nname = "arm"\nmodel = "{name}"\ndrives = "ideal"\nprogram = "{name}.arps"\n'
-        text = f'[cell]\nname = "{name}"\ntime_limit = "20s"\nseed = 1\n\n{robot}'
-        (tmp_path / f"{name}.toml").write_text(text, "utf-8")
-        if main(["run", str(tmp_path / f"{name}.toml"), "-o", str(tmp_path / name), "--quiet"]) != 0:
+    (folder / "first.arps").write_text(".PROGRAM main()\n  DRIVE 1, 5, 50\n.END\n", "utf-8")
+    for name, drives in itertools.product(names, ("", 'drives = "ideal"\n')):
+        robot = f"[[robot]]\nmodel = '{name}'\n{drives}program = 'first.arps'\n"
+        (folder / "cell.toml").write_text(f'[cell]\nname = "arm"\ntime_limit = "20s"\nseed = 1\n\n{robot}', "utf-8")
+        out = folder / "out"
+        if main(["check", str(folder / "cell.toml")]) or main(["run", str(folder / "cell.toml"), "-o", str(out), "-q"]):
             failed[name] = capsys.readouterr().err
-    assert failed == {}
+            continue
+        recording = read_recording(out / "recording.mcap")
+        moved = recording.true_joints.position[-1] - recording.true_joints.position[0]
+        wanted = np.eye(len(moved))[0] * (
+            0.005 if load_arm(name).model.joints[0].kind == "prismatic" else np.radians(5)
+        )
+        if np.abs(moved - wanted).max() > 2e-3:
+            failed[name] = f"moved {moved}"
+    return failed
+
+
+def test_every_preset_runs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert run_each(tmp_path, list(PRESETS), capsys) == {}
+
+
+def test_every_urdf_runs(tmp_path: Path, data_folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    names = [str(path) for path in (data_folder / "robots" / "urdf").rglob("*.urdf")]
+    assert names
+    assert run_each(tmp_path, names, capsys) == {}
