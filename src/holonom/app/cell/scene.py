@@ -13,10 +13,11 @@ from holonom.app.cell.camera import Seen, pixel_axes
 from holonom.app.cell.model import Cell
 from holonom.app.cell.places import placement_pose
 from holonom.app.cell.robot import Robot
+from holonom.app.cell.views import views_of
 from holonom.app.cell.world import SurfaceTable, Tray
 from holonom.app.job import ArmJob, BaseJob, Obstacle
 from holonom.app.recording.scope import Scope
-from holonom.app.report import Box, Scene, Shape, Tube, View
+from holonom.app.report import Box, Scene, Shape, Tube
 from holonom.app.report import Disc as DiscShape
 from holonom.machine.group import planar_pose
 from holonom.sim import Disc
@@ -25,6 +26,8 @@ from holonom.spatial import inverse, pose
 __all__ = ["build_scene"]
 
 Array = NDArray[np.float64]
+Sphere = tuple[Array, float]
+"""Centre (3,) and radius, m."""
 WOOD, LEG, TRAY, BRONZE, FLOOR, WARNING = "#d8c3a5", "#8d99ae", "#f1f5f9", "#b08d57", "#dfe7df", "#e07a5f"
 
 
@@ -40,7 +43,8 @@ def build_scene(
 
     Frames are called as they are recorded: of a robot with a name `robot/frame`; parts by their names.
     """
-    box = _extent(cell, arms, bases, parts, obstacles)
+    still = _still(cell, parts, obstacles)
+    box = _box([*still, *_bases(bases), *_reaches(cell, arms, bases)])
     shapes: list[Shape] = [] if not bases else [_floor(box)]
     shapes += [shape for patch in cell.patch for shape in patch_shapes(patch)]
     for base in bases:
@@ -58,7 +62,8 @@ def build_scene(
     shapes += [_part(disc, cell, seen) for disc in parts]
     tool, trail = _trail(arms, bases)
     room = float(np.abs(box[:, :2]).max())
-    return Scene(tuple(shapes), tuple(_views(cell, bases, box)), tool=tool, trail=trail, extent=max(1.1, room))
+    views = views_of(cell, bases, _box([*still, *_bases(bases), *_standing(arms, bases)]))
+    return Scene(tuple(shapes), tuple(views), tool=tool, trail=trail, extent=max(1.1, room))
 
 
 def _foot(robot: Robot, arms: Sequence[ArmJob], bases: Sequence[BaseJob]) -> tuple[str, Array]:
@@ -126,22 +131,9 @@ def _part(disc: Disc, cell: Cell, seen: Seen | None) -> Shape:
     return DiscShape(disc.name, disc.radius, disc.thickness, BRONZE, at, axes)
 
 
-def _extent(
-    cell: Cell,
-    arms: Sequence[ArmJob],
-    bases: Sequence[BaseJob],
-    parts: Sequence[Disc],
-    obstacles: Sequence[Obstacle],
-) -> Array:
-    """Corners (2, 3) of a box around everything, wherever it goes, m."""
-    spheres: list[tuple[Array, float]] = []
-    for robot, arm in zip([robot for robot in cell.robot if robot.is_arm], arms, strict=True):
-        foot, T = _foot(robot, arms, bases)
-        reach = 0.7 * arm_reach(robot.source.model)
-        for way in [np.eye(4)] if foot == "world" else _ways(next(b for b in bases if b.name == _carrier(arm))):
-            spheres.append(((way @ T)[:3, 3] + [0.0, 0.0, 0.3 * reach], reach))
-    for base in bases:
-        spheres += [(way[:3, 3], reach_of(base.base)) for way in _ways(base)]
+def _still(cell: Cell, parts: Sequence[Disc], obstacles: Sequence[Obstacle]) -> list[Sphere]:
+    """Spheres around what stands in a cell."""
+    spheres: list[Sphere] = []
     for surface in cell.surface:
         T = placement_pose(surface.pose)
         spheres += [((T @ pose((x, y, 0.0)))[:3, 3], 0.02) for x in (0, surface.size[0]) for y in (0, surface.size[1])]
@@ -150,20 +142,50 @@ def _extent(
         spheres.append((np.array([*patch.centre, 0.0]), half))
     spheres += [(disc.pose[:3, 3], disc.radius) for disc in parts]
     spheres += [(o.T[:3, 3], 0.5 * float(np.linalg.norm(o.size or (2 * o.radius, o.height)))) for o in obstacles]
-    return _box(spheres)
+    return spheres
 
 
-def _box(spheres: Iterable[tuple[Array, float]]) -> Array:
+def _bases(bases: Sequence[BaseJob]) -> list[Sphere]:
+    """Spheres around bases wherever they go."""
+    return [(way[:3, 3], reach_of(base.base)) for base in bases for way in _ways(base)]
+
+
+def _reaches(cell: Cell, arms: Sequence[ArmJob], bases: Sequence[BaseJob]) -> list[Sphere]:
+    """Spheres around where arms may work."""
+    spheres: list[Sphere] = []
+    for robot, arm in zip([robot for robot in cell.robot if robot.is_arm], arms, strict=True):
+        _, T = _foot(robot, arms, bases)
+        reach = 0.7 * arm_reach(robot.source.model)
+        spheres += [((way @ T)[:3, 3] + [0.0, 0.0, 0.3 * reach], reach) for way in _carried(arm, bases)]
+    return spheres
+
+
+def _standing(arms: Sequence[ArmJob], bases: Sequence[BaseJob]) -> list[Sphere]:
+    """Spheres around arms as they stand at first, wherever they are carried."""
+    spheres: list[Sphere] = []
+    for arm in arms:
+        frames = arm.arm.frames(arm.home)
+        thick = 0.08 * arm_reach(arm.arm.model)
+        if arm.mount is not None:
+            carrier = next((base for base in bases if base.name == arm.mount.robot), None)
+            frames = (arm.mount.T if carrier is None else carrier.frames[arm.mount.frame] @ arm.mount.T) @ frames
+        spheres += [((way @ T)[:3, 3], thick) for way in _carried(arm, bases) for T in frames]
+    return spheres
+
+
+def _carried(arm: ArmJob, bases: Sequence[BaseJob]) -> list[Array]:
+    """T (4, 4) of what carries an arm, wherever it goes."""
+    if arm.mount is None or arm.mount.robot is None:
+        return [np.eye(4)]
+    return _ways(next(base for base in bases if base.name == arm.mount.robot))
+
+
+def _box(spheres: Iterable[Sphere]) -> Array:
+    """Corners (2, 3) of a box around spheres, m."""
     low = np.min([np.asarray(p) - r for p, r in spheres], axis=0)
     high = np.max([np.asarray(p) + r for p, r in spheres], axis=0)
     low[2], high[2] = max(low[2], 0.0) if low[2] > -0.3 else low[2], max(high[2], 0.2)
     return np.stack([low, high])
-
-
-def _carrier(arm: ArmJob) -> str:
-    assert arm.mount is not None
-    assert arm.mount.robot is not None
-    return arm.mount.robot
 
 
 def _ways(base: BaseJob) -> list[Array]:
@@ -181,24 +203,3 @@ def _ways(base: BaseJob) -> list[Array]:
             for _ in range(steps):
                 found.append(found[-1] @ move)
     return found
-
-
-def _views(cell: Cell, bases: Sequence[BaseJob], box: Array) -> Iterable[View]:
-    """One that shows everything, one of each surface or beside each base, one from above."""
-    middle, size = 0.5 * (box[0] + box[1]), box[1] - box[0]
-    far = max(0.6, float(np.linalg.norm(size)))
-    x, y, z = (float(v) for v in middle)
-    yield View("Overview", (x + 0.55 * far, y - 0.85 * far, z + 0.6 * far), (x, y, z))
-    for number, surface in enumerate(cell.surface):
-        width, depth = surface.size
-        sx, sy, sz = (float(v) for v in (placement_pose(surface.pose) @ np.array([width / 2, depth / 2, 0.0, 1.0]))[:3])
-        name = "Table" if number == 0 and surface.name == "table" else surface.name
-        yield View(name, (sx + 0.5, sy - 0.25, sz + 0.55), (sx, sy, sz))
-    for base in bases:
-        r = base.base.radius
-        frame = Scope(base.name, ()).frame("base_link")
-        name = f"Beside {base.name}" if base.name else "Beside it"
-        yield View(name, (-5.0 * r, -5.0 * r, 3.5 * r), (0.0, 0.0, 0.3 * r), follow=frame)
-    yield View("Side", (x, y - 1.2 * far, z + 0.1 * far), (x, y, z))
-    if bases:
-        yield View("From above", (x, y - 0.01, z + 1.3 * far), (x, y, z))
