@@ -33,7 +33,7 @@ def test_every_key_of_an_arm(cell: Cell, job: Job) -> None:
     assert (arm.name, arm.drives, arm.entry) == ("puma", "motors", "wave")
     assert robot.home == pytest.approx([0, math.pi / 4, -math.pi, 0, -math.pi / 4, 0])
     assert [s.controller for s in arm.settings] == ["cascade", "computed_torque"]
-    assert arm.settings[1].law_bandwidth == 30.0
+    assert arm.settings[1].law_bandwidth == 8.0
     levels = arm.settings[0].levels
     assert (levels.supervisor, levels.model, levels.servo, levels.delay, levels.interpolation) == (
         0.1, 0.01, 0.001, 0.002, "cubic",
@@ -59,10 +59,9 @@ def test_every_key_of_a_base(job: Job) -> None:
     assert (agv.base.mass, agv.base.alpha, agv.base.com_height) == (12.0, 0.6, 0.08)
     assert (agv.drive.motor.max_voltage, agv.drive.gear.ratio, agv.drive.encoder.counts_per_rev) == (24.0, 20.0, 2000)
     shaping = agv.settings.shaping
-    assert (shaping.speed, shaping.acceleration, shaping.jerk) == (1.0, 0.8, 9.0)
-    assert shaping.turn_rate == pytest.approx(math.radians(90))
+    assert (shaping.speed, shaping.acceleration) == (1.0, 0.8)
+    assert (shaping.turn_rate, shaping.turn_acceleration) == pytest.approx((math.radians(90), math.radians(300)))
     assert (agv.levels.supervisor, agv.levels.interpolation) == (0.05, "hold")
-    assert shaping.turn_jerk == pytest.approx(math.radians(1000))
     assert (agv.settings.slip, agv.settings.traction, agv.settings.watch) == (None, None, None)
     assert (agv.task.start, agv.task.after, agv.task.done) == (2.0, None, 7)
     assert agv.task.path is not None
@@ -71,6 +70,8 @@ def test_every_key_of_a_base(job: Job) -> None:
     assert (agv.sensors.accelerometer_noise, agv.sensors.current_noise) == (0.04, 0.02)
     assert [(f.time, f.wheel, f.kind) for f in agv.faults] == [(5.0, "b", "blocked")]
     cart = job.bases[1]
+    assert (cart.settings.shaping.jerk, cart.settings.shaping.timeout) == (9.0, 0.5)
+    assert cart.settings.shaping.turn_jerk == pytest.approx(math.radians(1000))
     np.testing.assert_allclose(cart.pose, [-3.0, 1.0, math.pi / 2])
     assert cart.task.velocities is not None
     np.testing.assert_allclose(cart.task.velocities, [[0, 0.2, 0, 0.5], [2, 0, 0, 0]])

@@ -152,6 +152,28 @@ def test_drives_of_a_base_reach_its_limits(kind: str, drives: str, tmp_path: Pat
     assert force / base.base.wheel_radii.max() == pytest.approx(1.5 * 2.0 * 20.0 * 1.2)
 
 
+def test_a_castor_on_the_line_of_the_axle_carries_nothing_and_the_path_is_checked(tmp_path: Path) -> None:
+    """The load of a castor behind an axle that bears all of the mass is 0 give or take an ulp."""
+    way = 'path = { shape = "waypoints", points = [["0m", "0m"], ["1m", "0m"]], '
+    way += 'speed = "0.5m/s", acceleration = "0.3m/s2" }'
+    for track in ("300mm", "400mm", "700mm"):
+        wheels = f'arrangement = "differential"\ntrack = "{track}"\nwheel_radius = "80mm"\nmass = "60kg"\n'
+        assert check_cell(write(tmp_path, f"{ABOUT}[[robot]]\n{wheels}{way}\n")).data["warnings"] == []
+
+
+def test_controllers_of_ideal_joints_are_refused(tmp_path: Path) -> None:
+    text = f"{ABOUT}[[robot]]\nmodel = 'ur5e'\ndrives = 'ideal'\ncontrollers = ['cascade']\nhold = '1s'\n"
+    with pytest.raises(CellError, match=r"cell.toml:7: robot\[0\].controllers: they came; ideal joints"):
+        built(write(tmp_path, text))
+
+
+def test_levels_that_are_slow_slow_the_law_down_and_say_so(tmp_path: Path) -> None:
+    levels = "{ supervisor = '100ms', model = '10ms', servo = '1ms' }"
+    job = built(write(tmp_path, f"{ABOUT}[[robot]]\nmodel = 'puma560'\nlevels = {levels}\nprogram = 'wave.arps'\n"))
+    assert job.arms[0].settings[0].bandwidth == pytest.approx(10.0)
+    assert any("bandwidth of its computed torque is 10 rad/s" in note for note in job.notes)
+
+
 @pytest.mark.parametrize("kind", ARRANGEMENTS)
 def test_the_deck_covers_the_wheels_and_the_frame_on_it(kind: str, tmp_path: Path) -> None:
     job = built(write(tmp_path, base_text(kind)))

@@ -10,6 +10,17 @@ from cell_files import ABOUT, CELLS, built, drawn, write
 
 from holonom.app.cell.check import check_cell
 from holonom.app.cell.rehearse import end_of, rehearse
+from holonom.errors import CellError
+
+
+def test_ideal_drives_have_no_motors_that_break(tmp_path: Path) -> None:
+    text = (CELLS / "six_bases.toml").read_text("utf-8")
+    ideal = next(table for table in text.split("[[robot]]") if 'drives = "ideal"' in table)
+    name = ideal.partition('name = "')[2].partition('"')[0]
+    wheel = next(base for base in built(CELLS / "six_bases.toml").bases if base.name == name).base.driven[0]
+    text += f'\n[[fault]]\ntime = "1s"\nrobot = "{name}"\nkind = "motor_dead"\nwheel = "{wheel}"\n'
+    with pytest.raises(CellError, match=rf"fault\[\d+\].kind: it came; the ideal drives of {name} have no motors"):
+        built(write(tmp_path, text))
 
 
 def test_two_arms() -> None:

@@ -160,6 +160,23 @@ def test_a_folder_of_a_finished_run_keeps_what_is_not_its_own(tmp_path: Path) ->
     ]  # fmt: skip
 
 
+def test_a_controller_of_an_earlier_run_is_forgotten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    both = 'controllers = ["cascade", "computed_torque"]'
+    out = tmp_path / "out"
+    cell = arm_cell(tmp_path, "  SIGNAL 1\n  DRIVE 1, 5, 50\n  BREAK\n  SIGNAL -1")
+    text = cell.read_text("utf-8")
+    cell.write_text(text.replace('drives = "ideal"', both), "utf-8")
+    assert main(["run", str(cell), "-o", str(out), "--quiet"]) == 0
+    assert (out / "recording_cascade.mcap").exists()
+    (out / "recording_mine.mcap").write_text("not of a run", "utf-8")
+    cell.write_text(text.replace('drives = "ideal"\n', ""), "utf-8")
+    capsys.readouterr()
+    assert main(["run", str(cell), "-o", str(out), "--quiet"]) == 0
+    assert "cascade" not in capsys.readouterr().out
+    assert not (out / "recording_cascade.mcap").exists()
+    assert (out / "recording_mine.mcap").exists()
+
+
 def test_a_summary_that_cannot_be_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     cell, out = arm_cell(tmp_path, "  DRIVE 1, 5, 50"), tmp_path / "out"
     (out / "summary.json").mkdir(parents=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -17,6 +19,22 @@ HOME = np.array(ARM.model.poses["nominal"])
 
 def motion(q: np.ndarray) -> Motion:
     return Motion("joint", None, q, 0.5, None, 0.5, Configuration(), True, "fine", 3)
+
+
+@pytest.mark.parametrize("servo", [5e-4, 1e-3, 2e-3, 5e-3])
+@pytest.mark.parametrize("kind", ["joint", "line"])
+def test_a_motion_lasts_as_long_whatever_the_servos_period(kind: str, servo: float) -> None:
+    """Speeds and accelerations stay within the same limits: the reference is sampled as it is given out."""
+    ends = []
+    for period in (1e-3, servo):
+        levels = Levels(supervisor=period, model=period, servo=period)
+        queue = MotionQueue(ARM, HOME, LineSettings(), levels)
+        queue.move(dataclasses.replace(motion(HOME + 0.3), kind=kind), idle=True)
+        ends.append(period * len(queue.planned.q))
+        speed = np.diff(queue.planned.q, axis=0) / period
+        assert (np.abs(speed) <= ARM.limits.speed * 0.5 * (1 + 1e-6)).all() or kind == "line"
+        np.testing.assert_allclose(speed, 0.5 * (queue.planned.qd[1:] + queue.planned.qd[:-1]), atol=2e-3)
+    assert ends[0] == pytest.approx(ends[1], abs=5 * max(servo, 1e-3))  # whole periods of each phase
 
 
 def path(levels: Levels) -> np.ndarray:

@@ -140,6 +140,23 @@ def test_an_obstacle_is_not_driven_through(tmp_path: Path, size: tuple[float, fl
     assert recording.true_base.pose[-1, 0] < 0.6
 
 
+def test_a_base_is_not_driven_through_another(tmp_path: Path) -> None:
+    """The one that moves is told to have hit the other, when their outlines meet."""
+    stands = base_job(Task(hold=60.0), "stands", pose=np.array([0.8, 0.0, 0.0]))
+    ended, rig, _ = run(job(base_job(line(), "drives"), stands), tmp_path)
+    assert (ended.ending, ended.reason) == (Ending.FAILED, "drives: it hit stands")
+    x = rig.bases["drives"].loop.plant.pose[0]
+    assert 0.8 - 3.0 * 0.079 <= x < 0.8
+
+
+def test_who_is_not_done_in_time_says_what_it_waits_for(tmp_path: Path) -> None:
+    drives = base_job(dataclasses.replace(line(), after=5), "waits")
+    holds = base_job(Task(hold=60.0), "holds", pose=np.array([0.0, 3.0, 0.0]))
+    ended, _, _ = run(job(drives, holds, time_limit=0.5), tmp_path)
+    assert "waits: it waits for signal 5" in ended.reason
+    assert "holds: under way since 0 s" in ended.reason
+
+
 def test_an_arm_does_not_go_through_an_obstacle(tmp_path: Path) -> None:
     T = PUMA.fk(np.radians([60.0, 45.0, -180.0, 0.0, -45.0, 0.0]))
     post = Obstacle("post", pose((T[0, 3], T[1, 3], T[2, 3])), None, 0.05, 0.3)

@@ -89,6 +89,16 @@ class Task:
     after: int | None = None
     done: int | None = None
 
+    @property
+    def end(self) -> float:
+        """When it ends if all goes well, s; where it waits for a signal, how long it takes from then on."""
+        way = self.hold or 0.0
+        if self.path is not None:
+            way = float(self.path.time[-1])
+        elif self.velocities is not None:
+            way = float(self.velocities[-1, 0])
+        return self.start + way
+
 
 @dataclass(frozen=True, slots=True)
 class BaseJob:

@@ -25,9 +25,13 @@ from holonom.app.report.source import source_of
 from holonom.app.report.summary import summary_of
 from holonom.app.report.told import told
 from holonom.app.rig import Ended, Ending, Rig, simulated
+from holonom.control import CONTROLLERS
 from holonom.errors import ProgramError
 
 __all__ = ["run_cell"]
+
+COMPARED, UNHANDLED = "recording_{}.mcap", "recording_without_handling.mcap"
+"""Recordings of runs under other controllers, and of bases that do nothing about slip and lost motors."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +90,7 @@ def run_cell(
     if seed is not None:
         job = dataclasses.replace(job, seed=seed)
     plans = plans_of(job)
-    with Interrupts() as interrupts, RunFolder(output, recordings=[plan.file for plan in plans]) as folder:
+    with Interrupts() as interrupts, RunFolder(output, recordings=_recordings()) as folder:
         runs: list[Done] = []
         for plan in plans:
             typed = say if not runs else _silent
@@ -94,6 +98,11 @@ def run_cell(
             if runs[-1].ended.ending not in (Ending.DONE, Ending.PAUSED):
                 break
         return _tell(runs, folder)
+
+
+def _recordings() -> list[str]:
+    """All that a run may leave: those of an earlier one are not to be compared with this one's."""
+    return [RECORDING, UNHANDLED, *(COMPARED.format(name) for name in CONTROLLERS)]
 
 
 def _silent(text: str) -> None:
@@ -105,9 +114,9 @@ def plans_of(job: Job) -> list[Plan]:
     plans = [Plan(RECORDING, job)]
     if len(job.arms) == 1:
         settings = job.arms[0].settings
-        plans += [Plan(f"recording_{own.controller}.mcap", job, k) for k, own in enumerate(settings[:-1])]
+        plans += [Plan(COMPARED.format(own.controller), job, k) for k, own in enumerate(settings[:-1])]
     if not job.arms and any(_breaks(job)):
-        plans.append(Plan("recording_without_handling.mcap", _unhandled(job)))
+        plans.append(Plan(UNHANDLED, _unhandled(job)))
     return plans
 
 
@@ -152,16 +161,7 @@ def expected_time(job: Job) -> float | None:
     """Simulated time, s, at which a job of bases ends if all goes well; None where programs run."""
     if any(arm.program is not None for arm in job.arms) or any(base.task.after is not None for base in job.bases):
         return None
-    ends = [arm.hold for arm in job.arms]
-    for base in job.bases:
-        task = base.task
-        way = task.hold or 0.0
-        if task.path is not None:
-            way = float(task.path.time[-1])
-        elif task.velocities is not None:
-            way = float(task.velocities[-1, 0])
-        ends.append(task.start + way)
-    return max(ends, default=None)
+    return max([*(arm.hold for arm in job.arms), *(base.task.end for base in job.bases)], default=None)
 
 
 def _tell(runs: list[Done], folder: RunFolder) -> Answer:

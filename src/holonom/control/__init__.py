@@ -16,7 +16,7 @@ Verbs that make their params:
 
 =======================  =======================================================================
 `design_cascade`         `ServoAxis` and `SampleTimes` to `CascadeGains` with margins
-`acceleration_params`    a bandwidth to the gains of the computed-torque law
+`acceleration_params`    a bandwidth to the gains of the computed-torque law; `greatest_bandwidth` at a sample time
 `AxisLimits`             limits; `Violation` names them, `drive_fault` words the stop
 =======================  =======================================================================
 
@@ -34,7 +34,7 @@ Tables: `CONTROLLERS` of an arm's joints, `BASE_CONTROLLERS`, the parts above.
 """
 
 from holonom.control.base_tuning import WheelLoop, tune_wheel
-from holonom.control.computed_torque import acceleration_params
+from holonom.control.computed_torque import acceleration_params, greatest_bandwidth
 from holonom.control.kernels import (
     AccelerationParams,
     CurrentParams,
@@ -85,6 +85,7 @@ __all__ = [
     "current_step",
     "design_cascade",
     "drive_fault",
+    "greatest_bandwidth",
     "pi_start",
     "pi_step",
     "position_step",

@@ -7,7 +7,12 @@ import math
 from holonom.control.kernels import AccelerationParams
 from holonom.errors import OutOfLimits
 
-__all__ = ["acceleration_params"]
+__all__ = ["acceleration_params", "greatest_bandwidth"]
+
+
+def greatest_bandwidth(dt: float) -> float:
+    """Return the greatest bandwidth (rad/s) of the law at a sample time, s: a tenth of a radian per sample."""
+    return 0.1 / dt
 
 
 def acceleration_params(
@@ -37,10 +42,10 @@ def acceleration_params(
     for name, value in (("bandwidth", bandwidth), ("dt", dt), ("max_correction", max_correction)):
         if not value > 0.0:
             raise OutOfLimits(f"acceleration_params: {name} is {value!r}; it must be greater than 0")
-    if bandwidth * dt > 0.1:
+    if bandwidth > greatest_bandwidth(dt) * (1.0 + 1e-9):
         raise OutOfLimits(
             f"acceleration_params: bandwidth {bandwidth:g} rad/s at a sample time of {dt:g} s; "
-            f"at most {0.1 / dt:g} rad/s there, or sample faster"
+            f"at most {greatest_bandwidth(dt):g} rad/s there, or sample faster"
         )
     w = bandwidth
     if integral:

@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.app.cell.arm_control import control_of
 from holonom.app.cell.camera import Seen, parts_for
-from holonom.app.cell.drives import ArmLimits, JointDrive, levels_of
+from holonom.app.cell.drives import ArmLimits, JointDrive
 from holonom.app.cell.load import place_in
 from holonom.app.cell.model import Cell
 from holonom.app.cell.places import placement_pose
@@ -20,7 +21,7 @@ from holonom.app.cell.taught import taught_problems
 from holonom.app.job import ArmJob, Mount
 from holonom.errors import CellError, InputError, ModelError, ProgramFault, UnknownName
 from holonom.lang import Program, load_program, start
-from holonom.machine import ControlSettings, LineSettings
+from holonom.machine import LineSettings
 from holonom.machine.arm.servos import check_drives
 from holonom.mechanics import Arm
 from holonom.mechanics.equations.inertia import fixed_to_body
@@ -71,6 +72,7 @@ def build_arm_job(
     arm, home = _standing(robot, mount), np.array(_home(robot))
     arm, drives, notes = _driven(arm, robot, home, path, at)
     arm, more = _with_limits(arm, home)
+    settings, slowed = control_of(robot, drives, path, at)
     limits = robot.limits
     assert isinstance(limits, ArmLimits)
     rated = arm
@@ -90,7 +92,7 @@ def build_arm_job(
         arm=arm,
         mount=mount,
         drives=drives,
-        settings=_settings(robot, limits, path, at),
+        settings=settings,
         home=home,
         program=program,
         entry=robot.program.entry if robot.program is not None else None,
@@ -103,7 +105,7 @@ def build_arm_job(
         rated=rated,
         hold=robot.hold or 0.0,
     )
-    return ArmBuild(job, tuple(f"{called}: {note}" for note in (*notes, *more)), tuple(unreachable))
+    return ArmBuild(job, tuple(f"{called}: {note}" for note in (*notes, *more, *slowed)), tuple(unreachable))
 
 
 def _standing(robot: Robot, mount: Mount | None) -> Arm:
@@ -265,23 +267,6 @@ def _assumed(slow: list[str], eager: list[str], joints: int) -> Iterator[str]:
 
 def _these(names: list[str], joints: int) -> str:
     return "its joints" if len(names) == joints else ", ".join(names)
-
-
-def _settings(robot: Robot, limits: ArmLimits, path: Path, at: tuple[str | int, ...]) -> tuple[ControlSettings, ...]:
-    assert isinstance(robot.controllers, tuple)
-    levels = levels_of(robot.levels, place_in(path, *at, "levels"))
-    made = []
-    try:
-        for law in robot.controllers:
-            own = {"law_bandwidth": law.params.law_bandwidth} if hasattr(law.params, "law_bandwidth") else {}
-            settings = ControlSettings(
-                law.name, law.params, following_error=limits.following_error, levels=levels, **own
-            )
-            settings.law()
-            made.append(settings)
-    except InputError as problem:
-        raise CellError(f"{place_in(path, *at, 'controllers')}: {problem}") from None
-    return tuple(made)
 
 
 def _program(robot: Robot, path: Path, at: tuple[str | int, ...]) -> Program | None:

@@ -67,8 +67,8 @@ def build_base_job(cell: Cell, number: int, path: Path, sensors: BaseSensors) ->
     Raises
     ------
     CellError
-        Drives that cannot be sized, a path that cannot be driven or takes longer than the cell's time limit, a pose
-        that is not where the path begins.
+        Drives that cannot be sized, a path that cannot be driven or passes the base's limits, a pose that is not where
+        the path begins, motors of ideal drives that break.
     """
     robot, at = cell.robot[number], ("robot", number)
     base: WheelBase = robot.source.base
@@ -82,17 +82,31 @@ def build_base_job(cell: Cell, number: int, path: Path, sensors: BaseSensors) ->
     except InputError as problem:
         raise CellError(f"{place_in(path, *at, key)}: {problem}") from None
     if task.path is not None:
-        notes += _check_path(cell, robot, task, path, at)
+        notes += _check_path(robot, task, path, at)
     start = _start(robot, task.path, path, at)
     why = unsimulated(base)
     if why is not None:
         notes += (f"it cannot be simulated yet: {why}",)
     called = robot.name or base.name
+    notes += _unfelt(cell, robot, drives, path)
     faults = tuple(BaseFault(f.time, f.wheel, FAULTS[f.kind]) for f in cell.fault if cell.robot_of(f.robot) is robot)
     frames = {"base_link": np.eye(4), "top": pose((0.0, 0.0, deck_height(base)))}
     levels = levels_of(robot.levels, place_in(path, "robot", number, "levels"))
     job = BaseJob(robot.name, base, drive, drives, settings, sensors, start, task, faults, frames, levels)
     return job, tuple(f"{called}: {note}" for note in notes)
+
+
+def _unfelt(cell: Cell, robot: Robot, drives: str, path: Path) -> tuple[str, ...]:
+    """Refuse motors that break where there are none; say that ideal drives do not slip."""
+    if drives != "ideal":
+        return ()
+    for k, fault in enumerate(cell.fault):
+        if cell.robot_of(fault.robot) is robot:
+            place = place_in(path, "fault", k, "kind")
+            raise CellError(
+                f"{place}: it came; the ideal drives of {robot.name or 'the base'} have no motors that break"
+            )
+    return ("ideal drives do not slip, so patches of the floor change nothing for it",) if cell.patch else ()
 
 
 def _drive(robot: Robot, base: WheelBase) -> tuple[BaseDrive, str, tuple[str, ...]]:
@@ -161,16 +175,30 @@ def _path(path: PathTable) -> ReferencePath:
     return plan_path(points + np.array(path.origin), limits, laps=path.laps, heading=path.heading, start=path.angle)
 
 
-def _check_path(cell: Cell, robot: Robot, task: Task, path: Path, at: tuple[str | int, ...]) -> tuple[str, ...]:
-    """Refuse a path that wheels cannot roll along or that takes too long; say of steered ones that they cannot."""
+def _check_limits(robot: Robot, planned: ReferencePath, path: Path, at: tuple[str | int, ...]) -> None:
+    """Refuse limits of the cell that a path does not keep, or that say nothing about a path."""
+    limits = robot.limits
+    assert isinstance(limits, BaseLimits)
+    asked = {
+        "speed": np.hypot(*planned.twist[:, :2].T),
+        "turn_rate": np.abs(planned.twist[:, 2]),
+        "acceleration": np.hypot(*planned.acceleration[:, :2].T),
+        "turn_acceleration": np.abs(planned.acceleration[:, 2]),
+    }
+    for key in sorted(limits.model_fields_set):
+        place, allowed = place_in(path, *at, "limits", key), getattr(limits, key)
+        if key not in asked:
+            raise CellError(f"{place}: it came; it is a limit of velocities, a path has none of it: leave it out")
+        most = float(asked[key].max())
+        if most > allowed * (1.0 + 1e-6):
+            raise CellError(f"{place}: {allowed:g} came; the path asks for {most:.4g}: drive it slower, or allow more")
+
+
+def _check_path(robot: Robot, task: Task, path: Path, at: tuple[str | int, ...]) -> tuple[str, ...]:
+    """Refuse a path that wheels cannot roll along or that passes limits; say of steered ones that they cannot."""
     assert task.path is not None
     base: WheelBase = robot.source.base
-    end = task.start + float(task.path.time[-1])
-    if end > cell.cell.time_limit:
-        raise CellError(
-            f"{place_in(path, 'cell', 'time_limit')}: the path takes {task.path.time[-1]:.1f} s; "
-            f"time_limit is {cell.cell.time_limit:g} s: raise it, or the path's speed and acceleration"
-        )
+    _check_limits(robot, task.path, path, at)
     try:
         if base.steered:
             moving = np.abs(task.path.twist).max(axis=1) > 1e-3

@@ -12,12 +12,13 @@ from holonom.app.cell.base_build import build_base_job, refuse_unsimulated
 from holonom.app.cell.camera import Seen, look, overlay, simulated_parts
 from holonom.app.cell.load import place_in
 from holonom.app.cell.model import Cell
+from holonom.app.cell.never import refuse_never
 from holonom.app.cell.places import placement_pose
 from holonom.app.cell.robot import Robot
 from holonom.app.cell.scene import build_scene
 from holonom.app.cell.sensor import Sensor
 from holonom.app.cell.world import Patch
-from holonom.app.job import BaseJob, FieldPlace, Job, Mount, Obstacle, SensorJob, SignalEvent
+from holonom.app.job import ArmJob, BaseJob, FieldPlace, Job, Mount, Obstacle, SensorJob, SignalEvent
 from holonom.devices import Accelerometer, CurrentShunt, Gyro
 from holonom.errors import CellError
 from holonom.mobile import BaseSensors
@@ -52,6 +53,8 @@ def build_job(cell: Cell, path: Path) -> Job:
     arms = _arms(cell, path, seen, {base.name: base for base in bases})
     parts = tuple(simulated_parts(cell, seen))
     job_arms = tuple(arm.job for arm in arms)
+    refuse_never(cell, path, job_arms, bases)
+    _refuse_several(cell, path, job_arms)
     obstacles = tuple(
         Obstacle(o.name, placement_pose(o.pose), o.size, o.radius or 0.0, o.height or 0.0) for o in cell.obstacle
     )
@@ -76,6 +79,17 @@ def build_job(cell: Cell, path: Path) -> Job:
         notes=(*notes, *(note for arm in arms for note in arm.notes)),
         unreachable=tuple(line for arm in arms for line in arm.unreachable),
     )
+
+
+def _refuse_several(cell: Cell, path: Path, arms: tuple[ArmJob, ...]) -> None:
+    """Refuse to compare controllers where several arms move."""
+    for number, robot in enumerate(cell.robot):
+        several = any(arm.name == robot.name and len(arm.settings) > 1 for arm in arms)
+        if len(arms) > 1 and several:
+            raise CellError(
+                f"{place_in(path, 'robot', number, 'controllers')}: several came; they are compared in cells of one "
+                "arm: name one"
+            )
 
 
 def _bases(cell: Cell, path: Path) -> tuple[tuple[BaseJob, ...], tuple[str, ...]]:

@@ -83,7 +83,7 @@ class ArmLimits(Section):
 
 
 class BaseLimits(Section):
-    """What the cell allows a base that follows velocities."""
+    """What the cell allows a base. A path has to keep to speed, acceleration, turn_rate and turn_acceleration."""
 
     speed: Annotated[float, Quantity("speed", "1mm/s", "20m/s")] = 2.0
     """greatest speed along x and along y"""
@@ -97,7 +97,7 @@ class BaseLimits(Section):
     """greatest angular acceleration"""
     turn_jerk: Annotated[float, Quantity("angular jerk", "0.1deg/s3", "1000000rad/s3")] = 200.0
     """greatest angular jerk"""
-    timeout: Annotated[float, Quantity("time", "1ms", "1440min")] = 0.2
+    timeout: Annotated[float, Quantity("time", "20ms", "1440min")] = 0.2
     """time after which velocities that are not asked for again are no longer followed"""
 
 

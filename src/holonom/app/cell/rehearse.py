@@ -17,7 +17,7 @@ from holonom.machine.arm.motions import MotionRequest
 from holonom.machine.group import planar_pose
 from holonom.spatial import inverse
 
-__all__ = ["Rehearsal", "end_of", "rehearse"]
+__all__ = ["Rehearsal", "end_of", "rehearse", "switches_signals"]
 
 Array = NDArray[np.float64]
 PATIENCE = 3
@@ -83,7 +83,7 @@ class _Rehearsed(DryMachine):
         self._hand = hand is not None
         self._events = sorted(job.events, key=lambda event: event.at)
         self._givers = {base.task.done: base for base in job.bases if base.task.done is not None}
-        self._others = any(other is not arm and _signals(other.program) for other in job.arms)
+        self._others = any(other is not arm and switches_signals(other.program) for other in job.arms)
         self._given: dict[int, bool] = {}
         self._asked: Counter[int] = Counter()
         self._bases = {base.name: base for base in job.bases}
@@ -155,8 +155,8 @@ class _Rehearsed(DryMachine):
         return any(event.number == number and event.at > self.time() for event in self._events)
 
 
-def _signals(program: Program | None) -> bool:
-    """Whether a program switches signals."""
+def switches_signals(program: Program | None) -> bool:
+    """Return whether a program switches signals."""
     routines = program.routines if program is not None else ()
     return any(
         code == "ACTION" and isinstance(operand, tuple) and operand[0] == "SIGNAL"

@@ -103,6 +103,12 @@ class StartTable(Section):
     def _of_a_time(cls, given: Any) -> Any:
         return {"time": given} if isinstance(given, str) else given
 
+    @model_validator(mode="after")
+    def _one_of_two(self) -> StartTable:
+        if self.signal is not None and "time" in self.model_fields_set:
+            raise CellError("time and signal came; it is one of the two")
+        return self
+
 
 class FaultTable(Section):
     """Something that breaks."""

@@ -94,6 +94,8 @@ class ObstacleTable(Section):
         round_ = (self.radius is not None, self.height is not None)
         if round_ not in ((True, True), (False, False)) or (self.size is None) == (round_ == (False, False)):
             raise CellError(f"obstacle {self.name!r} needs size, or radius and height, one of the two")
+        if self.pose.roll or self.pose.pitch:
+            raise CellError(f"obstacle {self.name!r} is tilted; it stands upright: roll and pitch are 0")
         return self
 
 

@@ -15,6 +15,7 @@ from holonom.app.report.inferred_scene import inferred_scene
 from holonom.app.report.rebased import rebased
 from holonom.app.report.scene import Scene
 from holonom.app.report.sections import PhotoOverlay
+from holonom.errors import InputError
 from holonom.signals import TOPICS, Event
 
 __all__ = ["BARE", "RobotSource", "Source", "source_of"]
@@ -116,7 +117,10 @@ def _others(path: Path, cell: CellFacts) -> dict[str, Source]:
     found = {}
     for other in sorted(path.parent.glob("recording_*.mcap")):
         if other != path and path.name == "recording.mcap":
-            source = source_of(other, beside=False)
+            try:
+                source = source_of(other, beside=False)
+            except InputError:
+                continue  # somebody else's, or damaged: nothing to compare with
             if source.told and (source.cell.title, source.cell.seed) == (cell.title, cell.seed):
                 found[other.stem.removeprefix("recording_")] = source
     return found

@@ -108,10 +108,22 @@ class BaseRig:
         return False
 
     @property
+    def speed(self) -> float:
+        """Greatest speed of its middle and of its rim about it, m/s."""
+        x, y, turn = np.abs(self.loop.plant.twist)
+        return float(max(x, y, turn * self.job.base.radius))
+
+    @property
     def standing(self) -> bool:
         """Whether it stands."""
-        x, y, turn = np.abs(self.loop.plant.twist)
-        return bool(max(x, y, turn * self.job.base.radius) < STILL)
+        return self.speed < STILL
+
+    def where(self) -> str:
+        """How far its task is, in words."""
+        name, task = self.name or "the base", self.job.task
+        if self._began is not None:
+            return f"{name}: under way since {self._began:g} s"
+        return f"{name}: it waits for signal {task.after}" if task.after is not None else f"{name}: not begun yet"
 
     @property
     def truth(self) -> BaseTruthView:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
@@ -37,18 +38,24 @@ class Collisions:
 
     def first(self, bases: Iterable[BaseRig], arms: Iterable[ArmRig]) -> Hit | None:
         """Return the first hit that is found, None if there is none."""
+        bases = list(bases)
+        for base, other in itertools.combinations(bases, 2):
+            away = math.hypot(*(base.loop.plant.pose - other.loop.plant.pose)[:2])
+            if away < _reach(base) + _reach(other):
+                moving = other if other.speed > base.speed else base
+                return Hit(moving, f"it hit {base.name if moving is other else other.name}")
         if not self._obstacles:
             return None
         for base in bases:
             x, y, _ = base.loop.plant.pose
             for obstacle, T in self._obstacles:
                 if _low(obstacle) < base.job.base.com_height + 0.1 and _beside(obstacle, T, x, y) < _reach(base):
-                    return Hit(base, f"{base.name or 'the base'} hit {obstacle.name}")
+                    return Hit(base, f"{'it' if base.name else 'the base'} hit {obstacle.name}")
         for arm in arms:
             points = _points(arm)
             for obstacle, T in self._obstacles:
                 if _inside(obstacle, points @ T[:3, :3].T + T[:3, 3]).any():
-                    return Hit(arm, f"{arm.name or 'the arm'} hit {obstacle.name}")
+                    return Hit(arm, f"{'it' if arm.name else 'the arm'} hit {obstacle.name}")
         return None
 
 

@@ -94,7 +94,7 @@ class Rig:
         self._events = sorted(job.events, key=lambda event: event.at)
         self._rng = np.random.default_rng([job.seed, 1])
         self._ticks = 0
-        deciding = bool(job.arms or job.events or job.sensors or job.obstacles)
+        deciding = bool(job.arms or job.events or job.sensors or job.obstacles or len(job.bases) > 1)
         deciding = deciding or any(b.task.velocities is not None or b.task.after is not None for b in job.bases)
         self._step = 1 if deciding else LONG
         self._observe()
@@ -178,7 +178,8 @@ class Rig:
     def _late(self) -> str:
         limit = f"not done after {self.job.time_limit:g} s of simulated time, the cell's time_limit"
         places = [arm.where() for arm in self.arms.values() if not arm.done and arm.where()]
-        return "\n  ".join([f"{places[0].partition(': ')[0]}: {limit}" if places else limit, *places])
+        bases = [base.where() for base in self.bases.values() if not base.done]
+        return "\n  ".join([f"{places[0].partition(': ')[0]}: {limit}" if places else limit, *places, *bases])
 
     def _look_around(self) -> None:
         """Events of the cell, its sensors, its parts, and what was hit."""

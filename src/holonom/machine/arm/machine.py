@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.errors import DriveFault, LevelFault, MotionError
-from holonom.machine.arm.clock import PROGRAM_TICK
+from holonom.machine.arm.clock import PROGRAM_TICK, samples_per_tick
 from holonom.machine.arm.motions import LineSettings, MotionRequest
 from holonom.machine.arm.queue import MotionQueue
 from holonom.machine.digital import DigitalSignals
@@ -78,7 +78,7 @@ class ArmMachine:
         self.queue = MotionQueue(arm, start, line, levels)
         self._sink, self._look, self._ready, self._observe, self._frame = sink, look, ready, observe, frame
         self._before, self._braking, self._halting = drives.position, 0, False
-        self._samples = round(PROGRAM_TICK / levels.servo)
+        self._samples = samples_per_tick(levels.servo)
         self._parts: list[Any] = []
         self._signals = signals if signals is not None else DigitalSignals(sink)
 

@@ -116,8 +116,8 @@ def _why(arm: Arm, T: Array, q: Array, status: Array, wanted: Sequence[str]) -> 
     )
 
 
-def plan(arm: Arm, q0: Array, motion: MotionRequest, settings: LineSettings) -> Trajectory:
-    """Return the trajectory of one motion from rest at q0 (n,).
+def plan(arm: Arm, q0: Array, motion: MotionRequest, settings: LineSettings, dt: float = TICK) -> Trajectory:
+    """Return the trajectory of one motion from rest at q0 (n,), sampled every `dt`, s.
 
     Raises
     ------
@@ -125,12 +125,14 @@ def plan(arm: Arm, q0: Array, motion: MotionRequest, settings: LineSettings) -> 
         The motion cannot be made.
     """
     try:
-        return _plan_line(arm, q0, motion, settings) if motion.kind == "line" else _plan_joint(arm, q0, motion)
+        if motion.kind == "line":
+            return _plan_line(arm, q0, motion, settings, dt)
+        return _plan_joint(arm, q0, motion, dt)
     except InputError as problem:  # a program asked for it, after the start
         raise MotionError(str(problem)) from problem
 
 
-def _plan_line(arm: Arm, q0: Array, motion: MotionRequest, settings: LineSettings) -> Trajectory:
+def _plan_line(arm: Arm, q0: Array, motion: MotionRequest, settings: LineSettings, dt: float) -> Trajectory:
     """A straight line; an absolute speed above the nominal one turns the tool no faster than the settings allow."""
     target = motion.pose
     if target is None:
@@ -145,16 +147,14 @@ def _plan_line(arm: Arm, q0: Array, motion: MotionRequest, settings: LineSetting
         rotation_speed=settings.rotation_speed * min(1.0, max(motion.speed, speed / settings.speed)),
         acceleration=motion.acceleration * settings.acceleration,
         rotation_acceleration=motion.acceleration * settings.rotation_acceleration,
-        dt=TICK,
+        dt=dt,
         line=motion.line,
     )
 
 
-def _plan_joint(arm: Arm, q0: Array, motion: MotionRequest) -> Trajectory:
+def _plan_joint(arm: Arm, q0: Array, motion: MotionRequest, dt: float) -> Trajectory:
     q1 = motion.joints
     if q1 is None:
         assert motion.pose is not None
         q1 = branch_joints(arm, motion.pose, q0, motion.configuration)
-    return plan_joint(
-        q0, q1, arm.limits, speed=motion.speed, acceleration=motion.acceleration, dt=TICK, line=motion.line
-    )
+    return plan_joint(q0, q1, arm.limits, speed=motion.speed, acceleration=motion.acceleration, dt=dt, line=motion.line)

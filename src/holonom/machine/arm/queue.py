@@ -127,4 +127,4 @@ class MotionQueue:
         return np.stack([self.planned.q[k], self.planned.qd[k], self.planned.qdd[k]])
 
     def _plan(self, motion: MotionRequest) -> Trajectory:
-        return plan(self.arm, self.planned.q[-1], motion, self.line)
+        return plan(self.arm, self.planned.q[-1], motion, self.line, self.levels.servo)

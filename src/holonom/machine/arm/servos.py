@@ -20,6 +20,7 @@ from holonom.control import (
     acceleration_params,
     design_cascade,
     drive_fault,
+    greatest_bandwidth,
 )
 from holonom.devices import DcMotor, Encoder, Friction, tracking_params
 from holonom.devices.drive_signals import JointSignals
@@ -48,20 +49,36 @@ SPEED_TICK = 5
 class ControlSettings:
     """Which controller drives the arm and where it trips.
 
-    `controller` is of the table `CONTROLLERS`, `params` its params record (None: its defaults). `law_bandwidth` (rad/s)
-    places the poles of the computed-torque error equation; `following_error` (rad) and `trip_margin` (part of the rated
-    speed and current by which they may be passed) stop an axis; `levels` are the periods and delays of the loops.
+    `controller` is of the table `CONTROLLERS`, `params` its params record (None: its defaults). `law_bandwidth` (rad/s;
+    None: see `bandwidth`) places the poles of the computed-torque error equation; `following_error` (rad) and
+    `trip_margin` (part of the rated speed and current by which they may be passed) stop an axis; `levels` are the
+    periods and delays of the loops.
+
+    Raises
+    ------
+    UnknownName
+        A controller that there is not.
+    OutOfLimits
+        A bandwidth that the model's period does not bear.
     """
 
     controller: str = "cascade"
     params: Any = None
-    law_bandwidth: float = ComputedTorqueSettings().law_bandwidth
+    law_bandwidth: float | None = None
     following_error: float = 0.1
     trip_margin: float = 0.25
     levels: Levels = field(default_factory=Levels)
 
     def __post_init__(self) -> None:
         CONTROLLERS[self.controller]  # UnknownName
+        acceleration_params(self.bandwidth, self.levels.model)  # OutOfLimits
+
+    @property
+    def bandwidth(self) -> float:
+        """Of the computed-torque law, rad/s; unless stated what is usual, or the most that the model's period bears."""
+        if self.law_bandwidth is not None:
+            return self.law_bandwidth
+        return min(ComputedTorqueSettings().law_bandwidth, greatest_bandwidth(self.levels.model))
 
     def law(self) -> JointLaw | None:
         """Return the law where it is not a compiled one.
@@ -264,7 +281,7 @@ def _servo(joint: Joint, inertia: float, settings: ControlSettings, limits: Axis
         gains.current,
         gains.speed,
         gains.position,
-        acceleration_params(settings.law_bandwidth, settings.levels.model),
+        acceleration_params(settings.bandwidth, settings.levels.model),
         limits.params(),
         ratio,
         motor.torque_constant,

@@ -120,9 +120,12 @@ def drive_limits(base: WheelBase, motor: DcMotor, gear: Gear, friction: float) -
         raise InputError(f"base {base.name!r} drives wheels of radii {radii} m; make DriveLimits for equal wheels")
     loads = wheel_loads(base)
     transfer = (wheel_loads(base, np.eye(2)) - loads).T
-    if (loads < 0.0).any():
+    if (loads < -1e-9 * loads.sum()).any():
         name = base.wheels[int(loads.argmin())].name
         raise OutOfLimits(f"base {base.name!r} tips over: wheel {name!r} carries no load; move com between the wheels")
+    loads = np.maximum(
+        loads, 0.0
+    )  # a wheel just off the line of the centre of mass carries nothing, give or take an ulp
     driven = [i for i, w in enumerate(base.wheels) if w.driven]
     return DriveLimits(
         motor, gear, float(radii[0]), base.mass, friction, loads[driven], transfer[driven] if base.com_height else None
