@@ -1,4 +1,4 @@
-"""The borders of the closed loops: what cannot be meant is refused with what came and what is allowed; nothing moves."""
+"""Borders of the closed loops: what cannot be meant is refused with what came and what is allowed; nothing moves."""
 
 from __future__ import annotations
 
