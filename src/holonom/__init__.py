@@ -26,10 +26,23 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from holonom import errors, signals
+from holonom import errors
 
 if TYPE_CHECKING:
-    from holonom import closed_loop, control, devices, lang, machine, mechanics, mobile, model, sim, trace, vision
+    from holonom import (
+        closed_loop,
+        control,
+        devices,
+        lang,
+        machine,
+        mechanics,
+        mobile,
+        model,
+        signals,
+        sim,
+        trace,
+        vision,
+    )
     from holonom.mechanics import Arm, arm_from_dh, load_arm
     from holonom.model import DHRow
 
@@ -44,6 +57,7 @@ _SUBPACKAGES = (
     "mobile",
     "model",
     "plots",
+    "signals",
     "sim",
     "spatial",
     "trace",

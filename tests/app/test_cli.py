@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import re
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
@@ -18,6 +20,7 @@ from holonom import __version__
 from holonom.app.answer import Answer
 from holonom.app.cli import main
 from holonom.app.commands import COMMANDS
+from holonom.app.interrupts import Interrupted
 from holonom.errors import CellError, MotionError
 
 
@@ -76,7 +79,53 @@ def test_a_defect_shows_its_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_interrupted(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     give_run(monkeypatch, KeyboardInterrupt())
     assert main(["run", "cell.toml"]) == 130
-    assert "interrupted" in capsys.readouterr().err
+    assert capsys.readouterr().err == "holonom: interrupted\n", "nothing was recorded"
+    give_run(monkeypatch, Interrupted("what was recorded until now is kept in out"))
+    assert main(["run", "cell.toml"]) == 130
+    assert capsys.readouterr().err == "holonom: interrupted; what was recorded until now is kept in out\n"
+
+
+WORDS = ["methods --json", "methods", "--help", "run --help", "--version", "doctor", "run nothing.toml --json"]
+
+
+@pytest.mark.parametrize("words", WORDS)
+def test_nobody_reads(words: str) -> None:
+    """As behind `| head`: no traceback, status 141, whichever command prints."""
+    reader, writer = os.pipe()
+    os.close(reader)
+    command = [sys.executable, "-m", "holonom", *words.split()]
+    done = subprocess.run(command, stdout=writer, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.stderr == ""
+    assert done.returncode == 141 or words == "run --help", "there argparse takes it for printed"
+    both = subprocess.run([*command, "--what"], stdout=writer, stderr=writer, check=False)
+    os.close(writer)
+    assert both.returncode == 141
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("after", [0.05, 0.2, 0.6, 1.0])
+def test_interrupted_before_the_motion(after: float, number: signal.Signals, tmp_path: Path) -> None:
+    """In imports, in the building of the cell: one line, status 130, and no word of a recording."""
+    (tmp_path / "cell.toml").write_text(SLOW, "utf-8")
+    code = f"import os, threading; threading.Timer({after}, os.kill, (os.getpid(), {int(number)})).start()\n"
+    code += "import sys, holonom.__main__; sys.exit(holonom.__main__.main())"
+    command = [sys.executable, "-c", code, "run", str(tmp_path / "cell.toml"), "-o", str(tmp_path / "out")]
+    default = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.default_int_handler)}
+    done = subprocess.run(command, capture_output=True, text=True, check=False, **default)
+    kept = f"; what was recorded until now is kept in {tmp_path / 'out'}"
+    recorded = (tmp_path / "out" / "recording.mcap").exists()  # a fast machine is in motion by then
+    assert (done.returncode, done.stderr) == (130, f"holonom: interrupted{kept if recorded else ''}\n")
+
+
+SLOW = """
+[cell]
+name = "slow"
+time_limit = "24min"
+
+[[robot]]
+model = "puma560"
+hold = "1000s"
+"""
 
 
 def test_json_holds_no_nan(monkeypatch: pytest.MonkeyPatch) -> None:

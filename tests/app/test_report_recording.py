@@ -39,6 +39,7 @@ from holonom.app.report.attachments import attachments_of, cell_facts
 from holonom.app.report.base_findings import findings_of
 from holonom.app.report.embed import CURVE_SAMPLES
 from holonom.app.report.inferred_scene import inferred_scene
+from holonom.app.report.peaks import limit_uses
 from holonom.app.report.reporting import report_html
 from holonom.app.report.scene import Tube
 from holonom.app.report.scene_text import scene_json, scene_of, scene_text
@@ -121,6 +122,40 @@ def test_a_page_has_sections_of_every_robot(two: Path) -> None:
     assert np.allclose(arrays["curve:agv:path_error"], 10.0, atol=1e-4)
     assert ["rear left slips" in event[3] for event in data["events"]].count(True) == 1  # the truth is no word
     assert [event[4] for event in data["events"] if event[3] == "a swing"] == ["puma"]
+
+
+def test_every_note_is_a_line(tmp_path: Path) -> None:
+    job = dataclasses.replace(job_of(arm_job()), notes=("at most 2 m/s2", "q: its <model>"))
+    page = report_html(source_of(write(tmp_path / "recording.mcap", job, {"": list(arm_records())}, done())))
+    assert '<ul class="notes"><li>at most 2 m/s2</li><li>q: its &lt;model&gt;</li></ul>' in page
+
+
+def test_events_say_whose_they_are(two: Path, tmp_path: Path) -> None:
+    """Of several robots, in the list and in the replay; one that is alone is not named."""
+    page = report_html(source_of(two))
+    assert "<th>line</th><th>robot</th><th>source</th>" in page
+    assert "<td>puma</td><td>program</td><td>a swing</td>" in page
+    assert "<td>agv</td><td>plant</td><td>the motor of front left dies</td>" in page
+    whose = {event[3]: event[4] for event in embedded(page)[0]["events"]}
+    assert (whose["a swing"], whose["the motor of front left dies"]) == ("puma", "agv")
+    alone = report_html(source_of(write(tmp_path / "r.mcap", job_of(arm_job()), {"": list(arm_records())}, done())))
+    assert "<th>line</th><th>source</th>" in alone
+    assert "<td>2</td><td>program</td><td>a swing</td>" in alone
+
+
+def test_ideal_drives_have_no_currents(tmp_path: Path) -> None:
+    """Their noughts are no measurements: neither limits nor curves show them, and the summary says nothing of them."""
+    job = job_of(dataclasses.replace(arm_job(), drives="ideal"))
+    still = np.zeros(6)
+    records = [JointState(k / 100, HOME, still, still) for k in range(100)]
+    nought = {"peak_speed": 0.5, "peak_torque": 0.0, "peak_current": 0.0, "peak_voltage": 0.0}
+    ending = done(joints={"": dict.fromkeys(ARM.limits.names, nought)})
+    source = source_of(write(tmp_path / "recording.mcap", job, {"": records}, ending))
+    page, waist = report_html(source), summary_of(source)["joints"]["waist"]
+    assert [use.quantity for use in limit_uses(source.robots[0])] == ["Joint speed"]
+    assert not {"current", "voltage", "effort"} & {curve["key"] for curve in embedded(page)[0]["curves"]}
+    assert waist["peak_speed_rad_s"] == 0.5
+    assert {waist[f"peak_{name}"] for name in ("torque_Nm", "current_A", "voltage_V")} == {None}
 
 
 def test_the_summary_tells_all(two: Path) -> None:

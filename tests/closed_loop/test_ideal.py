@@ -46,7 +46,7 @@ def test_ideal_joints_are_where_they_are_told() -> None:
 def test_an_ideal_joint_refuses_what_it_cannot_do(wrong: float) -> None:
     arm, target = IdealArm(ARM, HOME, ControlSettings()), HOME.copy()
     target[1] = wrong
-    with pytest.raises(DriveFault, match="shoulder"):
+    with pytest.raises((DriveFault, LevelFault), match="shoulder"):
         arm.advance(np.stack([target[None], np.zeros((1, 6)), np.zeros((1, 6))]))
     np.testing.assert_array_equal(arm.position, HOME)
 

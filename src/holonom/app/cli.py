@@ -1,7 +1,8 @@
 """The command line, `holonom COMMAND ...`: finds the command in its table, runs it, prints its `Answer`.
 
 What a command raises decides the exit status: 2 for an `InputError`, usage errors too (nothing has been written), 1
-for a `RunError` (the records are kept), 130 for Ctrl-C. Any other exception is a defect and shows its traceback.
+for a `RunError` (the records are kept), 130 for Ctrl-C and SIGTERM, 141 where nobody reads what it prints (`| head`).
+Any other exception is a defect and shows its traceback.
 """
 
 from __future__ import annotations
@@ -11,12 +12,14 @@ import sys
 from collections.abc import Sequence
 
 from holonom.app.answer import Answer
+from holonom.app.interrupts import INTERRUPTED, Interrupted
+from holonom.app.pipes import BROKEN, drop_unread
 from holonom.app.usage import find_command, show_help
 from holonom.errors import HolonomError, InputError, RunError
 
 __all__ = ["main"]
 
-BAD_INPUT, FAILED, INTERRUPTED = 2, 1, 130
+BAD_INPUT, FAILED = 2, 1
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -28,9 +31,23 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     Returns
     -------
-    The exit status: 0, 2 (bad input), 1 (failed after the start) or 130 (interrupted).
+    The exit status: 0, 2 (bad input), 1 (failed after the start), 130 (interrupted) or 141 (nobody reads).
     """
     words = list(sys.argv[1:] if argv is None else argv)
+    try:
+        try:
+            return _status(words)
+        finally:  # after --help too, which leaves by SystemExit
+            if sys.stdout is not None:
+                sys.stdout.flush()
+    except BrokenPipeError:
+        if not drop_unread():
+            raise  # another pipe than those
+        return BROKEN
+
+
+def _status(words: Sequence[str]) -> int:
+    """Run a command, print what came of it, and return the exit status."""
     as_json = "--json" in words
     try:
         if show_help(words):
@@ -41,8 +58,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fail(error, BAD_INPUT, as_json=as_json)
     except RunError as error:
         return _fail(error, FAILED, as_json=as_json)
-    except KeyboardInterrupt:
-        print("holonom: interrupted; what was recorded until now is kept", file=sys.stderr)
+    except KeyboardInterrupt as stop:
+        print(stop if isinstance(stop, Interrupted) else Interrupted(), file=sys.stderr)
         return INTERRUPTED
     if as_json:
         print(json.dumps(answer.data, indent=2, allow_nan=False))

@@ -12,7 +12,7 @@ from pathlib import Path
 from holonom.app.answer import Answer
 from holonom.app.cell import load_cell
 from holonom.app.cell.build import build_job, refuse_unsimulated
-from holonom.app.interrupts import Interrupts
+from holonom.app.interrupts import Interrupted, Interrupts
 from holonom.app.job import Job
 from holonom.app.output import RECORDING, REPORT, SUMMARY, RunFolder
 from holonom.app.progress import Progress
@@ -79,8 +79,8 @@ def run_cell(
         Before anything is written.
     RunError
         After the start; recording, summary and report up to that moment are kept.
-    KeyboardInterrupt
-        Ctrl-C or SIGTERM; the same is kept.
+    Interrupted
+        Ctrl-C or SIGTERM. In motion the same is kept; before, nothing; in the making of the report, recordings.
     """
     cell = load_cell(path)
     refuse_unsimulated(cell, path)
@@ -91,13 +91,29 @@ def run_cell(
         job = dataclasses.replace(job, seed=seed)
     plans = plans_of(job)
     with Interrupts() as interrupts, RunFolder(output, recordings=_recordings()) as folder:
-        runs: list[Done] = []
-        for plan in plans:
-            typed = say if not runs else _silent
-            runs.append(_run(plan, folder, interrupts, quiet=quiet, say=typed))
-            if runs[-1].ended.ending not in (Ending.DONE, Ending.PAUSED):
-                break
-        return _tell(runs, folder)
+        try:
+            runs = _run_all(plans, folder, interrupts, quiet=quiet, say=say)
+            answer = _tell(runs, folder)
+            if interrupts.requested():
+                raise Interrupted
+            return answer
+        except KeyboardInterrupt:
+            if not (folder.path / RECORDING).exists():  # an older one is gone
+                raise Interrupted from None
+            raise Interrupted(f"what was recorded until now is kept in {folder.path}") from None
+
+
+def _run_all(
+    plans: list[Plan], folder: RunFolder, interrupts: Interrupts, *, quiet: bool, say: Callable[[str], None]
+) -> list[Done]:
+    """Run the plans, up to the first that does not come to its end; interrupts are kept from the first motion on."""
+    runs: list[Done] = []
+    for plan in plans:
+        runs.append(_run(plan, folder, interrupts, quiet=quiet, say=_silent if runs else say))
+        if runs[-1].ended.ending not in (Ending.DONE, Ending.PAUSED):
+            break
+    interrupts.keep(False)
+    return runs
 
 
 def _recordings() -> list[str]:
@@ -146,6 +162,7 @@ def _run(plan: Plan, folder: RunFolder, interrupts: Interrupts, *, quiet: bool, 
         encoder = base.drive.encoder
         words |= base_words(base.base, encoder.counts_per_rev, base.drive.gear.ratio, robot=base.name)
     files = attachments_of(job, plan.controller, rated=[arm.rated for arm in job.arms], patches=job.patches)
+    interrupts.keep()
     with (
         Recorder(folder.path / plan.file, attachments=files, metadata=words) as recorder,
         Progress(job.name, expected_time(job), quiet=quiet) as progress,
@@ -171,7 +188,7 @@ def _tell(runs: list[Done], folder: RunFolder) -> Answer:
     ------
     RunError
         A run failed, or the report could not be written.
-    KeyboardInterrupt
+    Interrupted
         The operator stopped it.
     """
     source = source_of(folder.path / RECORDING)
@@ -183,7 +200,7 @@ def _tell(runs: list[Done], folder: RunFolder) -> Answer:
         what = "\n".join([str(last.fault), *(f"  {line}" for line in lines[1:])])
         raise type(last.fault)(f"{what}\n  what was recorded until then is in {folder.path}") from last.fault
     if last.ending is Ending.STOPPED:
-        raise KeyboardInterrupt
+        raise Interrupted
     pace = round(runs[0].pace, 1)  # of the wall clock: not in the summary, which equal runs have in common
     lines = [f"{lines[0]}, {pace:g} x real time", *lines[1:], f"report: {folder.path / REPORT}"]
     return Answer("\n".join(lines), summary | {"real_time_factor": pace})

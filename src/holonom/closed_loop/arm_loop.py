@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.closed_loop.arm_kernels import run_reference
+from holonom.closed_loop.reference import checked_reference
 from holonom.devices import Encoder, Gear
 from holonom.machine.arm.kernels import CURRENT, STOP
 from holonom.machine.arm.servos import STEP, ArmServos, ControlSettings, joint_friction, joint_motor
 from holonom.mechanics import Arm
 from holonom.model import Joint
 from holonom.sim.arm.plant import ArmPlant, AxisDrive, Ground
+from holonom.trace.real import finite_array, whole_number
 
 __all__ = ["ArmLoop", "Measured", "Truth", "drives_of"]
 
@@ -53,6 +55,13 @@ class ArmLoop:
         Controller, limits, levels.
     ground
         What lies under the tool.
+
+    Raises
+    ------
+    ShapeError
+        Joints of another shape, or not finite.
+    ModelError
+        A joint without complete motor data.
     """
 
     def __init__(self, arm: Arm, q: ArrayLike, settings: ControlSettings, ground: Ground = Ground()) -> None:
@@ -109,7 +118,7 @@ class ArmLoop:
 
     @payload.setter
     def payload(self, value: Array) -> None:
-        self.plant.payload = value
+        self.plant.payload = finite_array("payload", value, (4,))
 
     @property
     def touch(self) -> float:
@@ -131,12 +140,16 @@ class ArmLoop:
 
         Raises
         ------
+        ShapeError
+            Samples of another shape; nothing moves.
+        LevelFault
+            Samples that are not finite; nothing moves.
         DriveFault
             An axis left a limit; the plant stands at the start of the tick at which it did.
         LevelFault
             A law that is not compiled gave no torques.
         """
-        law = self.servos.law
+        reference, law = checked_reference(self.arm, reference), self.servos.law
         if law is None:
             self._advance(self.servos.mode, reference)
             return
@@ -154,7 +167,14 @@ class ArmLoop:
             raise self.servos.fault(code, axis, self.time, float(reference[0, tick, axis]), current)
 
     def brake(self, ticks: int) -> None:
-        """Hold zero speed for some ticks, whatever the reference: the controlled stop after a fault."""
+        """Hold zero speed for some ticks, whatever the reference: the controlled stop after a fault.
+
+        Raises
+        ------
+        OutOfLimits
+            Not a whole number of ticks, or a negative one.
+        """
+        ticks = whole_number("ticks", ticks)
         self._run(STOP, np.zeros((3, ticks, self.arm.n)))
         self._ticks += ticks
 

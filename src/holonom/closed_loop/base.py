@@ -23,6 +23,7 @@ from holonom.signals import Event
 from holonom.sim.base.floor import Floor
 from holonom.sim.base.plant import TICK, BaseFault, BasePlant
 from holonom.sim.base.records import BODY_SAMPLE, WHEEL_SAMPLE
+from holonom.trace.real import whole_number
 from holonom.trace.simd import WIDTH
 
 __all__ = ["BaseLoop", "DrivenPart", "simulate_base"]
@@ -46,12 +47,24 @@ class BaseLoop:
         self.controller, self.plant = controller, plant
 
     def place(self, pose: ArrayLike, twist: ArrayLike = (0.0, 0.0, 0.0)) -> None:
-        """Put the base at a pose (3,) with a twist (3,) in base_link, and tell its controller."""
+        """Put the base at a pose (3,) with a twist (3,) in base_link, and tell its controller.
+
+        Raises
+        ------
+        ShapeError
+            Not three finite numbers each; it stays where it is.
+        """
         self.plant.place(pose, twist)
         self.controller.place(pose, twist, signals=self.plant.signals)
 
     def advance(self, ticks: int = 10) -> None:
-        """Drive on for some milliseconds."""
+        """Drive on for some milliseconds.
+
+        Raises
+        ------
+        OutOfLimits
+            Not a whole number of them, or a negative one.
+        """
         run_ticks(*self._arguments(), self.plant.noise(ticks))
 
     def advance_logged(self, log: LogBuffer) -> int:
@@ -64,7 +77,14 @@ class BaseLoop:
         return self.plant.time
 
     def buffer(self, ticks: int) -> LogBuffer:
-        """Return an empty buffer for some milliseconds."""
+        """Return an empty buffer for some milliseconds.
+
+        Raises
+        ------
+        OutOfLimits
+            Not a whole number of them, or a negative one.
+        """
+        ticks = whole_number("ticks", ticks)
         blocks = len(self.plant.states)
         return LogBuffer(
             np.zeros(ticks, BODY_SAMPLE),

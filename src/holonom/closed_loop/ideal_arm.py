@@ -6,10 +6,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.closed_loop.arm_loop import Measured, Truth
+from holonom.closed_loop.reference import checked_reference
 from holonom.control import AxisLimits, Violation, drive_fault
 from holonom.control.kernels import axis_violation
 from holonom.machine.arm.servos import ControlSettings
 from holonom.mechanics import Arm
+from holonom.mechanics.motion.trajectory import joint_vector
+from holonom.trace.real import whole_number
 
 __all__ = ["IdealArm"]
 
@@ -29,6 +32,11 @@ class IdealArm:
         Joints (n,), rad or m, where it stands at first.
     settings
         Levels; the following error at which it stops.
+
+    Raises
+    ------
+    ShapeError
+        Joints of another shape, or not finite.
     """
 
     def __init__(self, arm: Arm, q: ArrayLike, settings: ControlSettings) -> None:
@@ -36,7 +44,7 @@ class IdealArm:
         self.payload = np.zeros(4)
         """What the hand holds; it weighs nothing here."""
         self.touch = 0.0
-        self.position: Array = np.array(q, float)
+        self.position: Array = joint_vector("q", q, arm.n).copy()
         """Joints (n,)."""
         self.speed: Array = np.zeros(arm.n)
         self.ticks = 0
@@ -73,10 +81,14 @@ class IdealArm:
 
         Raises
         ------
+        ShapeError
+            Samples of another shape; nothing moves.
+        LevelFault
+            Samples that are not finite; nothing moves.
         DriveFault
-            A reference that is not finite, outside the joints' limits, or faster than they follow.
+            A reference outside the joints' limits, or faster than they follow.
         """
-        for target in reference[0]:
+        for target in checked_reference(self.arm, reference)[0]:
             self._watch(target)
             most = self.tick * self.arm.limits.speed
             self._move(self.position + np.clip(target - self.position, -most, most))
@@ -84,8 +96,14 @@ class IdealArm:
             self.worst["error"] = np.maximum(self.worst["error"], error)
 
     def brake(self, ticks: int) -> None:
-        """Hold zero speed for some ticks."""
-        for _ in range(ticks):
+        """Hold zero speed for some ticks.
+
+        Raises
+        ------
+        OutOfLimits
+            Not a whole number of ticks, or a negative one.
+        """
+        for _ in range(whole_number("ticks", ticks)):
             self._move(self.position)
 
     def _move(self, q: Array) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import OutOfLimits, ShapeError, UnknownName
+from holonom.trace.real import finite_array, real_array, whole_number
 
 __all__ = ["INTERPOLATIONS", "LevelState", "Levels", "PointBuffer", "interpolate"]
 
@@ -78,7 +79,17 @@ def interpolate(points: ArrayLike, ratio: int, how: str = "linear") -> Array:
         At equal intervals.
     how
         One of `INTERPOLATIONS`. "cubic" takes the slopes from neighbours (Catmull and Rom), one-sided at the ends.
+
+    Raises
+    ------
+    UnknownName
+        An interpolation that there is not.
+    OutOfLimits
+        A ratio that is no whole number, or below 1.
     """
+    if how not in INTERPOLATIONS:
+        raise UnknownName("interpolation", how, INTERPOLATIONS)
+    ratio = whole_number("ratio", ratio, least=1)
     p = np.asarray(points, float)
     if ratio == 1 or len(p) < 2:
         return p.copy()
@@ -98,6 +109,15 @@ def _hermite(a: Array, b: Array, u: Array, v: Array, s: Array) -> Array:
     """Cubic from a to b with slopes u and v per interval, at parts s of it."""
     curve: Array = a + s * u + s * s * (3.0 * (b - a) - 2.0 * u - v) + s**3 * (u + v - 2.0 * (b - a))
     return curve
+
+
+def _limits(name: str, value: ArrayLike, n: int) -> Array:
+    limits = real_array(name, value)
+    if limits.shape != (n,):
+        raise ShapeError(f"{name} has shape {limits.shape}; it must be ({n},), one limit for each axis")
+    if not (limits > 0.0).all():
+        raise OutOfLimits(f"{name} is {limits.tolist()}; each limit must be above 0")
+    return limits
 
 
 class LevelState(Enum):
@@ -126,17 +146,25 @@ class PointBuffer:
         Periods and interpolation.
     speed, acceleration
         Limits of the axes (n,).
+
+    Raises
+    ------
+    ShapeError
+        A start that is not (n,), finite; limits of another shape.
+    OutOfLimits
+        Limits that are not above 0.
     """
 
     def __init__(
         self, name: str, start: ArrayLike, levels: Levels, *, speed: ArrayLike, acceleration: ArrayLike
     ) -> None:
         self.name, self.levels = name, levels
-        self.speed, self.acceleration = np.asarray(speed, float), np.asarray(acceleration, float)
-        self.position = np.array(start, float)
+        self.position = finite_array("start", start, ("n",)).copy()
         """Reference of the last sample (n,)."""
         self.rate = np.zeros_like(self.position)
         """Its speed (n,)."""
+        self.speed = _limits("speed", speed, len(self.position))
+        self.acceleration = _limits("acceleration", acceleration, len(self.position))
         self.restart()
 
     def restart(self) -> None:
@@ -158,9 +186,9 @@ class PointBuffer:
         Raises
         ------
         ShapeError
-            Another number of axes.
+            Another number of axes, or no numbers.
         """
-        new, last = np.asarray(point, float), self._points[-1]
+        new, last = real_array("a point", point), self._points[-1]
         if new.shape != last.shape:
             raise ShapeError(f"{self.name} sent a point of shape {new.shape}; the axes are {last.shape}")
         if self.state is LevelState.STOPPING or self.reason or self._refused:
@@ -173,7 +201,14 @@ class PointBuffer:
         return True
 
     def take(self, count: int) -> Array:
-        """Return the reference of the next servo periods: positions, speeds, accelerations (3, count, n)."""
+        """Return the reference of the next servo periods: positions, speeds, accelerations (3, count, n).
+
+        Raises
+        ------
+        OutOfLimits
+            Not a whole number of periods, or a negative one.
+        """
+        count = whole_number("count", count)
         dt, out = self.levels.servo, np.empty((3, count, len(self.position)))
         for k in range(count):
             before = self.rate

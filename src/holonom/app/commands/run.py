@@ -8,6 +8,7 @@ from pathlib import Path
 
 from holonom.app.answer import Answer
 from holonom.app.options import argument, output, quiet, seed
+from holonom.app.pipes import say_to
 from holonom.registry import OWN, Method
 
 __all__ = ["COMMAND", "Options", "run"]
@@ -33,7 +34,7 @@ def run(options: Options) -> Answer:
     stream = sys.stderr if options.quiet else sys.stdout  # with --json, which is quiet, stdout holds JSON only
     return run_cell(
         options.cell, folder, seed=options.seed, quiet=options.quiet,
-        say=lambda text: print(text, file=stream, flush=True),
+        say=lambda text: say_to(stream, text),
     )  # fmt: skip
 
 

@@ -29,7 +29,9 @@ class Curve:
     names: tuple[str, ...]
 
 
-def joint_curves(recording: Recording, kinds: Sequence[str] = (), key: str = "") -> tuple[Curve, ...]:
+def joint_curves(
+    recording: Recording, kinds: Sequence[str] = (), key: str = "", *, ideal: bool = False
+) -> tuple[Curve, ...]:
     """Curves of the joints: positions, errors, motor currents and voltages; without those that were not recorded.
 
     Speeds and efforts stand in where nothing is known of the motors.
@@ -42,6 +44,8 @@ def joint_curves(recording: Recording, kinds: Sequence[str] = (), key: str = "")
         "revolute" or "prismatic" for each joint; all revolute unless given.
     key
         Goes before the curves' keys.
+    ideal
+        Whether its drives are: no efforts are drawn then.
     """
     joints, drives, names = recording.joints, recording.drives, recording.joint_names
     known = kinds if len(kinds) == len(names) else ["revolute"] * len(names)
@@ -51,6 +55,7 @@ def joint_curves(recording: Recording, kinds: Sequence[str] = (), key: str = "")
     curves += _by_kind(f"{key}error", title, ("mrad", "mm"), joints.time, _error(recording), names, slides)
     if not len(drives.time):
         curves.append(Curve(f"{key}velocity", "Joint speed", "rad/s or m/s", joints.time, joints.velocity, names))
+    if not len(drives.time) and not ideal:
         curves.append(Curve(f"{key}effort", "Joint effort", "N m or N", joints.time, joints.effort, names))
     curves.append(Curve(f"{key}current", "Motor current", "A", drives.time, drives.current, names))
     curves.append(Curve(f"{key}voltage", "Motor voltage", "V", drives.time, drives.voltage, names))

@@ -29,6 +29,8 @@ __all__ = [
 Rows = tuple[tuple[float, ...], ...]
 """A pose (4, 4), or points (N, 2)."""
 Limit = tuple[float | None, ...]
+IDEAL = "ideal"
+"""Drives without motors."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,6 +132,11 @@ class RobotFacts:
     program: str = ""
     arm: ArmFacts | None = None
     base: BaseFacts | None = None
+
+    @property
+    def ideal(self) -> bool:
+        """Whether its drives are: nothing is known then of forces, currents and voltages."""
+        return self.drives == IDEAL
 
 
 @dataclass(frozen=True, slots=True)

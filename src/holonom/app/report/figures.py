@@ -27,12 +27,16 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class Figures:
-    """One section: a title, a note below it, and what is shown side by side; `name` is its place in the page."""
+    """One section: a title, a note below it, and what is shown side by side; `name` is its place in the page.
+
+    `notes` are sentences of their own, a line each.
+    """
 
     name: str
     title: str
     figures: Sequence[Polar | TopView | Table]
     note: str = ""
+    notes: Sequence[str] = ()
 
 
 def figures_html(section: Figures) -> str:
@@ -41,8 +45,12 @@ def figures_html(section: Figures) -> str:
     note = f'<p class="note">{escape(section.note)}</p>' if section.note else ""
     return (
         f'<section id="{escape(section.name)}" class="card"><h2>{escape(section.title)}</h2>{note}'
-        f'<div class="figures">{body}</div></section>'
+        f'<div class="figures">{body}</div>{_listed(section.notes)}</section>'
     )
+
+
+def _listed(notes: Sequence[str]) -> str:
+    return f'<ul class="notes">{"".join(f"<li>{escape(note)}</li>" for note in notes)}</ul>' if notes else ""
 
 
 def _figure(figure: Polar | TopView | Table) -> str:

@@ -18,7 +18,7 @@ from holonom.app.report.figures import Figures
 from holonom.app.report.parts import CurveGroup, EventLog, LimitTable, Part, curves_of, part_html
 from holonom.app.report.scene import Scene
 from holonom.app.report.scene_text import scene_json
-from holonom.app.report.sections import LimitUse, Outcome, PhotoOverlay, facts_html, programs_html
+from holonom.app.report.sections import LimitUse, Outcome, PhotoOverlay, facts_html, programs_html, robot_of
 from holonom.errors import OutputError
 from holonom.signals import Event
 
@@ -59,7 +59,8 @@ def page_html(
     parts
         What stands below, in this order.
     programs
-        Texts of programs by the robots that run them; the replay marks the line of the last event of each.
+        Texts of programs by the robots of the cell, "" for one that has none; the replay marks the line of the last
+        event of each, and says whose an event is.
     events
         Those that the replay shows; all of the recording unless given.
 
@@ -75,7 +76,7 @@ def page_html(
     data = {
         "end": recording.end(),
         "curves": add_curves(blob, curves_of(parts)),
-        "events": [[e.time, e.line, e.level, e.text, _robot(e, programs)] for e in shown],
+        "events": [[e.time, e.line, e.level, e.text, robot_of(e, programs)] for e in shown],
         "scene": {**scene_json(scene), "rate": rate, **({"shapes": []} if missing else {})},
         "index": blob.index,
     }
@@ -143,11 +144,6 @@ def write_report(
     parts.append(EventLog(recording.events))
     head = Head(title, outcome, subtitle, facts or {})
     _write(Path(path), page_html(head, recording, scene, parts, programs={"": program}))
-
-
-def _robot(event: Event, robots: Mapping[str, str]) -> str:
-    """Name of the robot that an event is of, "" where it is none that has a program."""
-    return next((robot for robot in robots if robot and event.source.startswith(f"{robot}.")), "")
 
 
 def _write(path: Path, page: str) -> None:

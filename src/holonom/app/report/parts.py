@@ -36,9 +36,10 @@ class LimitTable:
 
 @dataclass(frozen=True, slots=True)
 class EventLog:
-    """The log."""
+    """The log; `robots` are the names of those that its events may be of, where there are several."""
 
     events: Sequence[Event]
+    robots: Sequence[str] = ()
 
 
 Part = Comparison | CurveGroup | EventLog | Figures | LimitTable | PhotoOverlay
@@ -52,7 +53,7 @@ def part_html(part: Part) -> str:
         case CurveGroup():
             return curves_html(part.curves, part.name, part.title)
         case EventLog():
-            return events_html(part.events)
+            return events_html(part.events, part.robots)
         case Figures():
             return figures_html(part)
         case LimitTable():

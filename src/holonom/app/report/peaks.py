@@ -20,6 +20,8 @@ QUANTITIES = {
     "grip": ("", ""),
 }
 """Their units, of joints that turn and of those that slide."""
+OF_MOTORS = ("torque", "current", "voltage", "grip")
+"""What ideal drives do not have."""
 TITLES = {"arm": "Joint {}", "base": "Wheel {}"}
 GRIP = "Share of the friction limit"
 
@@ -27,12 +29,14 @@ GRIP = "Share of the friction limit"
 def peaks_of(robot: RobotSource) -> dict[str, Array]:
     """Largest absolute values (n,) of "speed", "torque", "current", "voltage", "error", "grip"; rms of "rms_error".
 
-    NaN for what is not known.
+    NaN for what is not known, as forces and currents are of ideal drives.
     """
     found = _sampled(robot.recording, len(robot.facts.joints))
     for name in (*QUANTITIES, "error"):
         found[name] = _counted(robot, f"peak_{name}", found.get(name))
     found["rms_error"] = _counted(robot, "rms_error", found.get("rms_error"))
+    for name in OF_MOTORS if robot.facts.ideal else ():
+        found[name] = np.full(len(robot.facts.joints), np.nan)
     return found
 
 

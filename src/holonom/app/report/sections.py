@@ -10,6 +10,7 @@ from html import escape
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.app.recording.scope import bare
 from holonom.signals import Event
 
 __all__ = [
@@ -22,6 +23,7 @@ __all__ = [
     "limits_html",
     "photo_html",
     "programs_html",
+    "robot_of",
 ]
 
 Array = NDArray[np.float64]
@@ -135,17 +137,24 @@ def photo_html(photo: PhotoOverlay | None) -> str:
     )
 
 
-def events_html(events: Sequence[Event]) -> str:
-    """The log: time, level, program line, text; a click moves the replay there. Of very many the first ones."""
-    shown = events[:ROWS]
+def robot_of(event: Event, robots: Iterable[str]) -> str:
+    """Name of the robot that an event is of, "" where it is of none of these, or of one that is alone."""
+    return next((robot for robot in robots if robot and event.source.startswith(f"{robot}.")), "")
+
+
+def events_html(events: Sequence[Event], robots: Sequence[str] = ()) -> str:
+    """The log: time, robot of several, program line, text; a click moves the replay there. Of very many the first."""
+    shown = [(e, robot_of(e, robots)) for e in events[:ROWS]]
     rows = "".join(
-        f'<tr class="{escape(e.level)}" data-time="{e.time:.3f}"><td>{e.time:.2f}</td>'
-        f"<td>{e.line or ''}</td><td>{escape(e.source)}</td><td>{escape(e.text)}</td></tr>"
-        for e in shown
+        f'<tr class="{escape(e.level)}" data-time="{e.time:.3f}"><td>{e.time:.2f}</td><td>{e.line or ""}</td>'
+        f"{f'<td>{escape(robot)}</td>' if robots else ''}"
+        f"<td>{escape(bare(e.source, robot, '.'))}</td><td>{escape(e.text)}</td></tr>"
+        for e, robot in shown
     )
     body = (
         '<div class="scroll"><table class="events"><thead><tr><th>time&nbsp;s</th><th>line</th>'
-        f"<th>source</th><th>event</th></tr></thead><tbody>{rows}</tbody></table></div>"
+        f"{'<th>robot</th>' if robots else ''}<th>source</th><th>event</th></tr></thead>"
+        f"<tbody>{rows}</tbody></table></div>"
     )
     if len(events) > ROWS:
         body += f'<p class="note">The first {ROWS} of {len(events)} events; the recording holds all.</p>'

@@ -30,7 +30,9 @@ from holonom.machine.arm.law import JointLaw
 from holonom.machine.arm.records import SERVO, SERVO_STATE, Servo, ServoTiming
 from holonom.machine.levels import Levels
 from holonom.mechanics import Arm
+from holonom.mechanics.motion.trajectory import joint_vector
 from holonom.model import ArmModel, Joint
+from holonom.trace.real import finite_array
 from holonom.trace.records import record_table
 
 __all__ = ["STEP", "ArmServos", "ControlSettings", "check_drives", "joint_friction", "joint_motor"]
@@ -116,6 +118,8 @@ class ArmServos:
     ------
     ModelError
         A joint without complete motor data.
+    ShapeError
+        Joints of another shape, or not finite.
     """
 
     def __init__(self, arm: Arm, q: ArrayLike, settings: ControlSettings = ControlSettings()) -> None:
@@ -125,7 +129,7 @@ class ArmServos:
         self.timing = _timing(settings.levels)
         self.model = arm.kernel("inverse_dynamics")
         self.limits = [_axis_limits(joint, settings) for joint in arm.model.joints]
-        inertia = np.diagonal(arm.mass_matrix(np.asarray(q, dtype=float)))
+        inertia = np.diagonal(arm.mass_matrix(joint_vector("q", q, arm.n)))
         rows = [
             _servo(joint, float(b), settings, limits)
             for joint, b, limits in zip(arm.model.joints, inertia, self.limits, strict=True)
@@ -140,9 +144,16 @@ class ArmServos:
         """Take over an arm that stands at q (n,), rad, under its own weight, with currents `hold` (n,), A; homed.
 
         Encoders know where they are; their counters are in `signals`.
+
+        Raises
+        ------
+        ShapeError
+            Joints or currents of another shape, or not finite.
         """
-        states, currents = self.states, np.asarray(hold, float)
-        counts = np.floor(np.asarray(q, float) * self._ratio * self.axes["encoder"]["counts_per_rad"]).astype(np.int64)
+        states, currents = self.states, finite_array("hold", hold, (self.arm.n,))
+        counts = np.floor(
+            joint_vector("q", q, self.arm.n) * self._ratio * self.axes["encoder"]["counts_per_rad"]
+        ).astype(np.int64)
         assert ((counts - signals.counters) % 0x10000 == 0).all(), "the counters are those of q"
         states["count"] = counts
         states["angle"] = (counts + 0.5) * self.axes["encoder"]["resolution"]

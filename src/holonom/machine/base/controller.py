@@ -24,6 +24,7 @@ from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive, base_mass, load_
 from holonom.mobile.drive.coupling import Coupling
 from holonom.mobile.drive.slip import SlipSettings, slip_params
 from holonom.mobile.drive.slip_kernels import BOUND, SlipParams
+from holonom.trace.real import finite_array, real_array
 from holonom.trace.records import aligned_records, side_by_side
 from holonom.trace.simd import WIDTH
 
@@ -96,16 +97,23 @@ class BaseController:
         self.hold()
 
     def place(self, pose: ArrayLike, twist: ArrayLike = (0.0, 0.0, 0.0), *, signals: WheelSignals) -> None:
-        """Tell it where it is, pose (3,) in odom, and how it moves, twist (3,) in base_link; it homes its counters."""
+        """Tell it where it is, pose (3,) in odom, and how it moves, twist (3,) in base_link; it homes its counters.
+
+        Raises
+        ------
+        ShapeError
+            Not three finite numbers each; it goes on as before.
+        """
+        pose, twist = finite_array("pose", pose, (3,)), finite_array("twist", twist, (3,))
         state, states, ratio = self.state[0], self.states, self.wheels["gear"]["ratio"]
         for names, values in ((("x", "y", "theta"), pose), (("vx", "vy", "w"), twist)):
-            for name, value in zip(names, np.asarray(values, float), strict=True):
+            for name, value in zip(names, values, strict=True):
                 state[f"seen_{name}"] = value
         for name in ("vx", "vy", "w"):
             state[f"command_{name}"] = state[f"shaped_{name}"] = state[f"seen_{name}"]
         states["count"].flat[:] = (signals.counters + 0x8000) % 0x10000 - 0x8000
         states["seen_angle"] = states["counted"] = (states["count"] + 0.5) * self.wheels["encoder"]["resolution"]
-        speeds = self.params.rows @ np.asarray(twist, float) / self.radii
+        speeds = self.params.rows @ twist / self.radii
         states["seen_speed"].flat[: len(speeds)] = ratio.flat[: len(speeds)] * speeds
         self.hold()
 
@@ -141,7 +149,7 @@ class BaseController:
         ShapeError
             A path of another shape, empty or not finite.
         """
-        rows = np.ascontiguousarray(path, float)
+        rows = np.ascontiguousarray(real_array("a path", path))
         if rows.ndim != 2 or rows.shape[1] != 9 or len(rows) == 0 or not np.isfinite(rows).all():
             raise ShapeError(f"a path has shape {rows.shape}; it must be (N, 9) with N of at least 1, finite")
         self.task = BaseTask(rows)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -9,7 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.devices import DcMotor, Encoder, Friction, Gear
 from holonom.devices.drive_signals import JointSignals
+from holonom.errors import OutOfLimits, ShapeError
 from holonom.mechanics import Arm
+from holonom.mechanics.motion.trajectory import joint_vector
 from holonom.sim.arm.kernels import sense
 from holonom.sim.arm.plant_equation import plant_kernel
 from holonom.sim.arm.records import DRIVE, DRIVE_STATE, Drive
@@ -32,6 +35,14 @@ class Ground:
     height: float = -1e3
     stiffness: float = 2e4
     damping: float = 200.0
+
+    def __post_init__(self) -> None:
+        for name, least in (("height", -math.inf), ("stiffness", 0.0), ("damping", 0.0)):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value >= least):
+                raise OutOfLimits(
+                    f"Ground: {name} is {value!r}; it must be finite" + " and at least 0" * (least == 0.0)
+                )
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,9 +68,17 @@ class ArmPlant:
         Joints (n,), rad, at which it stands at first, held by its motors' currents.
     ground
         What lies under the tool.
+
+    Raises
+    ------
+    ShapeError
+        Joints of another shape or not finite, or another number of drives.
     """
 
     def __init__(self, arm: Arm, drives: list[AxisDrive], q: ArrayLike, ground: Ground = Ground()) -> None:
+        q = joint_vector("q", q, arm.n)
+        if len(drives) != arm.n:
+            raise ShapeError(f"{len(drives)} drives came; the arm has {arm.n} joints, give each its drive")
         self.arm = arm
         self.payload = np.zeros(4)
         """Mass (kg) and centre of mass (m, tool frame) of what the gripper holds."""
@@ -70,7 +89,7 @@ class ArmPlant:
         self._ground = np.array([ground.height, ground.stiffness, ground.damping])
         self._work = np.zeros(4 * arm.n + 8)
         self.states = np.zeros(arm.n, dtype=DRIVE_STATE)
-        self.states["position"] = np.asarray(q, float)
+        self.states["position"] = q
         self.states["current"] = self.hold
         self.signals = JointSignals(np.zeros(arm.n, np.int64), self.states["current"].copy(), np.zeros(arm.n))
         """What its sensors read last, and the voltages that it is driven with."""

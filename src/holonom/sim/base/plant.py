@@ -20,6 +20,7 @@ from holonom.sim.base.log import BaseTruth, truth_of
 from holonom.sim.base.log_kernels import drive_open
 from holonom.sim.base.records import BODY, BODY_SAMPLE, BODY_STATE, WHEEL, WHEEL_SAMPLE, WHEEL_STATE
 from holonom.sim.base.step_kernels import BasePlantParams, SensorParams, sense
+from holonom.trace.real import finite_array, real_array, whole_number
 from holonom.trace.records import aligned_records, side_by_side
 from holonom.trace.simd import WIDTH
 
@@ -96,8 +97,7 @@ class BasePlant:
         substeps: int = 2,
         ideal: bool = False,
     ) -> None:
-        if substeps < 1:
-            raise OutOfLimits(f"BasePlant: substeps is {substeps!r}; it must be at least 1")
+        substeps = whole_number("BasePlant: substeps", substeps, least=1)
         self.base, self.drive, self.rng = base, drive, rng
         self.mass = base_mass(base)
         self.driven = driven_wheels(base)
@@ -147,8 +147,14 @@ class BasePlant:
         return np.array([self.state[name][0] for name in ("vx", "vy", "w")])
 
     def place(self, pose: ArrayLike, twist: ArrayLike = (0.0, 0.0, 0.0)) -> None:
-        """Put the base at a pose (3,) with a twist (3,) in base_link, wheels rolling, and read its sensors."""
-        self._place(pose, twist, self.noise(1)[0])
+        """Put the base at a pose (3,) with a twist (3,) in base_link, wheels rolling, and read its sensors.
+
+        Raises
+        ------
+        ShapeError
+            Not three finite numbers each; it stays where it is.
+        """
+        self._place(finite_array("pose", pose, (3,)), finite_array("twist", twist, (3,)), self.noise(1)[0])
 
     def _place(self, pose: ArrayLike, twist: ArrayLike, noise: Array) -> None:
         state, states = self.state[0], self.states
@@ -160,7 +166,14 @@ class BasePlant:
         sense(self.params, self.state, states, self.signals, noise)
 
     def noise(self, ticks: int) -> Array:
-        """Standard normal numbers (ticks, 3 + 4 n) for the sensors of as many milliseconds."""
+        """Standard normal numbers (ticks, 3 + 4 n) for the sensors of as many milliseconds.
+
+        Raises
+        ------
+        OutOfLimits
+            Not a whole number of them, or a negative one.
+        """
+        ticks = whole_number("ticks", ticks)
         found = np.zeros((ticks, 3 + WIDTH * len(self.states)))
         if self.rng is not None:
             found[:, : 3 + len(self.driven)] = self.rng.standard_normal((ticks, 3 + len(self.driven)))
@@ -180,7 +193,7 @@ class BasePlant:
         ShapeError
             Voltages of another shape, or not finite.
         """
-        u = np.ascontiguousarray(voltages, float)
+        u = np.ascontiguousarray(real_array("voltages", voltages))
         m = len(self.driven)
         if u.ndim != 2 or u.shape[1] != m or not np.isfinite(u).all():
             raise ShapeError(f"voltages have shape {u.shape}; they must be (N, {m}), finite: one column per motor")

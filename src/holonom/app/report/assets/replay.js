@@ -75,7 +75,8 @@ class Replay {
     const at = times.length && times[0] <= this.state.time + 1e-6 ? nearest(times, this.state.time) : -1;
     if (at === this.state.event) return;
     this.state.event = at;
-    $("event").textContent = at < 0 ? "–" : data.events[at][3];
+    const [, , , text, robot] = at < 0 ? [0, 0, "", "–", ""] : data.events[at];
+    $("event").textContent = robot ? `${robot}: ${text}` : text;
     this.showLines(at);
     const rows = document.querySelectorAll(".events tbody tr");
     mark(rows, rows[at], document.querySelector("#log .scroll"));

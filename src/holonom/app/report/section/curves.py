@@ -27,8 +27,10 @@ def _parts(source: Source) -> Sequence[CurveGroup]:
 def _curves(robot: RobotSource) -> Sequence[Curve]:
     key = f"{robot.name}:" if robot.name else ""
     if robot.facts.kind == "base":
-        return [curve for curve in _of_base(robot, key) if len(curve.time) and curve.values.size]
-    return joint_curves(robot.recording, robot.facts.kinds, key)
+        unknown = [f"{key}force", f"{key}current"] if robot.facts.ideal else []
+        curves = [curve for curve in _of_base(robot, key) if curve.key not in unknown]
+        return [curve for curve in curves if len(curve.time) and curve.values.size]
+    return joint_curves(robot.recording, robot.facts.kinds, key, ideal=robot.facts.ideal)
 
 
 def _of_base(robot: RobotSource, key: str) -> list[Curve]:

@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from holonom.app.report.parts import EventLog
 from holonom.app.report.section_table import Section
+from holonom.app.report.source import Source
 from holonom.registry import OWN, Method
 
 __all__ = ["SECTION"]
 
-SECTION = Method("the log", lambda _: Section(lambda s: True, lambda s: [EventLog(s.events)]), OWN)
+
+def _parts(source: Source) -> Sequence[EventLog]:
+    return [EventLog(source.events, [robot.name for robot in source.robots if robot.name])]
+
+
+SECTION = Method("the log", lambda _: Section(lambda s: True, _parts), OWN)

@@ -18,7 +18,7 @@ HEAD = ("robot", "model", "drives", "controller")
 def _parts(source: Source) -> Sequence[Figures]:
     rows = [_row(robot, alone=source.alone) for robot in source.robots]
     head = HEAD if source.alone else (*HEAD, "what came of it")
-    return [Figures("robots", "Robots", [Table(head, rows)], " ".join(source.cell.notes))]
+    return [Figures("robots", "Robots", [Table(head, rows)], notes=source.cell.notes)]
 
 
 def _row(robot: RobotSource, *, alone: bool) -> tuple[str, ...]:
