@@ -285,7 +285,6 @@ def test_an_arm_cannot_stand_on_an_arm_nor_a_base_on_anything(tmp_path: Path) ->
         ('entry = "wave"', 'entry = "weave"', r"robot\[0\].program.entry", "weave"),
         ('"-100mm", "300mm"', '"-100mm", "700mm"', r"robot\[0\].home", "tool begins 131 mm below the surface"),
         ('limits = { speed = "1m/s"', 'limits = { speed = "0.5m/s"', r"robot\[1\].limits.speed", "path asks for 0.8"),
-        ('limits = { speed = "1m/s"', 'limits = { jerk = "1m/s3"', r"robot\[1\].limits.jerk", "a path has none of it"),
         ("start = { signal = 7 }", "start = { signal = 8 }", r"robot\[2\].start", "waits for signal 8, which no"),
         ("done = 7", "done = 9", r"robot\[2\].start", "waits for signal 7, which no"),
         ('hold = "3s"', 'hold = "70s"', r"cell.time_limit", "the hold of own takes until 70.0 s"),

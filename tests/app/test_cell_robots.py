@@ -161,10 +161,25 @@ def test_a_castor_on_the_line_of_the_axle_carries_nothing_and_the_path_is_checke
         assert check_cell(write(tmp_path, f"{ABOUT}[[robot]]\n{wheels}{way}\n")).data["warnings"] == []
 
 
-def test_controllers_of_ideal_joints_are_refused(tmp_path: Path) -> None:
-    text = f"{ABOUT}[[robot]]\nmodel = 'ur5e'\ndrives = 'ideal'\ncontrollers = ['cascade']\nhold = '1s'\n"
-    with pytest.raises(CellError, match=r"cell.toml:7: robot\[0\].controllers: they came; ideal joints"):
-        built(write(tmp_path, text))
+def test_controllers_of_ideal_joints_are_said_to_do_nothing(tmp_path: Path) -> None:
+    laws = "controllers = ['cascade', 'computed_torque']\n"
+    job = built(write(tmp_path, f"{ABOUT}[[robot]]\nmodel = 'ur5e'\ndrives = 'ideal'\n{laws}hold = '1s'\n"))
+    assert len(job.arms[0].settings) == 1
+    assert "ur5e: its controllers do nothing: ideal joints follow their commands" in job.notes
+
+
+def test_several_arms_run_under_one_controller_each_and_say_so(tmp_path: Path) -> None:
+    arms = "[[robot]]\nname = 'a'\nmodel = 'ur5e'\ncontrollers = ['cascade', 'computed_torque']\nhold = '1s'\n"
+    arms += "[[robot]]\nname = 'b'\nmodel = 'ur5e'\npose = ['2m', '0m', '0m', '0deg', '0deg', '0deg']\nhold = '1s'\n"
+    notes = built(write(tmp_path, f"{ABOUT}{arms}")).notes
+    assert "a: it runs under computed torque only; controllers are compared in cells of one arm" in notes
+
+
+def test_limits_that_say_nothing_about_a_path_are_named(tmp_path: Path) -> None:
+    way = 'path = { shape = "circle", size = "1m", speed = "0.5m/s", acceleration = "0.3m/s2" }\n'
+    limits = 'limits = { speed = "1m/s", jerk = "1m/s3", timeout = "1s" }\n'
+    notes = built(write(tmp_path, base_text("omni") + way + limits)).notes
+    assert any(note.endswith("limits of jerk, timeout are of velocities, not of a path") for note in notes)
 
 
 def test_levels_that_are_slow_slow_the_law_down_and_say_so(tmp_path: Path) -> None:

@@ -13,6 +13,11 @@ from holonom.app.cell.rehearse import end_of, rehearse
 from holonom.errors import CellError
 
 
+def test_what_comes_after_the_time_limit_is_said(tmp_path: Path) -> None:
+    text = (CELLS / "six_bases.toml").read_text("utf-8") + '\n[[event]]\nat = "31s"\nsignal = 3\n'
+    assert "event of signal 3 at 31 s: the cell's time_limit is 30 s" in built(write(tmp_path, text)).notes
+
+
 def test_ideal_drives_have_no_motors_that_break(tmp_path: Path) -> None:
     text = (CELLS / "six_bases.toml").read_text("utf-8")
     ideal = next(table for table in text.split("[[robot]]") if 'drives = "ideal"' in table)

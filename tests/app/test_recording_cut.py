@@ -6,6 +6,7 @@ import itertools
 import os
 import random
 import signal
+import struct
 import subprocess
 import sys
 import time
@@ -87,7 +88,7 @@ def by_mcap(path: Path) -> dict[str, float]:
                     names[record.id] = record.topic
                 elif isinstance(record, Message):
                     last[names[record.channel_id]] = record.log_time / 1e9
-        except McapError:
+        except (McapError, struct.error, IndexError):  # as it ends where the kill fell into a write
             pass
     return last
 

@@ -27,14 +27,9 @@ def control_of(
     Raises
     ------
     CellError
-        Controllers of ideal joints, periods that do not fit each other or a controller.
+        Periods that do not fit each other or a controller.
     """
     assert isinstance(robot.controllers, tuple)
-    if robot.drives == "ideal" and "controllers" in robot.model_fields_set:
-        raise CellError(
-            f"{place_in(path, *at, 'controllers')}: they came; ideal joints follow their commands without a "
-            "controller: leave it out, or give drives"
-        )
     levels = levels_of(robot.levels, place_in(path, *at, "levels"))
     try:
         samples_per_tick(levels.servo)
@@ -44,7 +39,10 @@ def control_of(
         made = [_settings(law, robot, levels) for law in robot.controllers]
     except InputError as problem:
         raise CellError(f"{place_in(path, *at, 'controllers')}: {problem}") from None
-    return (tuple(made[-1:]), ()) if drives == "ideal" else (tuple(made), tuple(_slowed(made)))
+    if drives != "ideal":
+        return tuple(made), tuple(_slowed(made))
+    stated = "controllers" in robot.model_fields_set
+    return tuple(made[-1:]), ("its controllers do nothing: ideal joints follow their commands",) if stated else ()
 
 
 def _settings(law: Chosen, robot: Robot, levels: Levels) -> ControlSettings:

@@ -175,8 +175,8 @@ def _path(path: PathTable) -> ReferencePath:
     return plan_path(points + np.array(path.origin), limits, laps=path.laps, heading=path.heading, start=path.angle)
 
 
-def _check_limits(robot: Robot, planned: ReferencePath, path: Path, at: tuple[str | int, ...]) -> None:
-    """Refuse limits of the cell that a path does not keep, or that say nothing about a path."""
+def _check_limits(robot: Robot, planned: ReferencePath, path: Path, at: tuple[str | int, ...]) -> tuple[str, ...]:
+    """Refuse a path that passes limits of the cell; say which limits are none of a path."""
     limits = robot.limits
     assert isinstance(limits, BaseLimits)
     asked = {
@@ -185,20 +185,23 @@ def _check_limits(robot: Robot, planned: ReferencePath, path: Path, at: tuple[st
         "acceleration": np.hypot(*planned.acceleration[:, :2].T),
         "turn_acceleration": np.abs(planned.acceleration[:, 2]),
     }
-    for key in sorted(limits.model_fields_set):
-        place, allowed = place_in(path, *at, "limits", key), getattr(limits, key)
-        if key not in asked:
-            raise CellError(f"{place}: it came; it is a limit of velocities, a path has none of it: leave it out")
-        most = float(asked[key].max())
+    stated = sorted(limits.model_fields_set)
+    for key in [key for key in stated if key in asked]:
+        most, allowed = float(asked[key].max()), getattr(limits, key)
         if most > allowed * (1.0 + 1e-6):
-            raise CellError(f"{place}: {allowed:g} came; the path asks for {most:.4g}: drive it slower, or allow more")
+            raise CellError(
+                f"{place_in(path, *at, 'limits', key)}: {allowed:g} came; the path asks for {most:.4g}: drive it "
+                "slower, or allow more"
+            )
+    others = [key for key in stated if key not in asked]
+    return (f"limits of {', '.join(others)} are of velocities, not of a path",) if others else ()
 
 
 def _check_path(robot: Robot, task: Task, path: Path, at: tuple[str | int, ...]) -> tuple[str, ...]:
     """Refuse a path that wheels cannot roll along or that passes limits; say of steered ones that they cannot."""
     assert task.path is not None
     base: WheelBase = robot.source.base
-    _check_limits(robot, task.path, path, at)
+    notes = _check_limits(robot, task.path, path, at)
     try:
         if base.steered:
             moving = np.abs(task.path.twist).max(axis=1) > 1e-3
@@ -208,8 +211,8 @@ def _check_path(robot: Robot, task: Task, path: Path, at: tuple[str | int, ...])
     except InputError as problem:
         if unsimulated(base) is None:
             raise CellError(f"{place_in(path, *at, 'path')}: {problem}") from None
-        return (f"it cannot drive its path: {problem}",)
-    return ()
+        return (*notes, f"it cannot drive its path: {problem}")
+    return notes
 
 
 def _start(robot: Robot, path: ReferencePath | None, file: Path, at: tuple[str | int, ...]) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from holonom.app.cell.base_build import build_base_job, refuse_unsimulated
 from holonom.app.cell.camera import Seen, look, overlay, simulated_parts
 from holonom.app.cell.load import place_in
 from holonom.app.cell.model import Cell
-from holonom.app.cell.never import refuse_never
+from holonom.app.cell.never import refuse_never, too_late
 from holonom.app.cell.places import placement_pose
 from holonom.app.cell.robot import Robot
 from holonom.app.cell.scene import build_scene
@@ -54,7 +55,6 @@ def build_job(cell: Cell, path: Path) -> Job:
     parts = tuple(simulated_parts(cell, seen))
     job_arms = tuple(arm.job for arm in arms)
     refuse_never(cell, path, job_arms, bases)
-    _refuse_several(cell, path, job_arms)
     obstacles = tuple(
         Obstacle(o.name, placement_pose(o.pose), o.size, o.radius or 0.0, o.height or 0.0) for o in cell.obstacle
     )
@@ -76,19 +76,18 @@ def build_job(cell: Cell, path: Path) -> Job:
         fields=_fields(cell, parts),
         scene=build_scene(cell, job_arms, bases, parts, obstacles, seen),
         photograph=overlay(cell, seen, parts) if seen is not None else None,
-        notes=(*notes, *(note for arm in arms for note in arm.notes)),
+        notes=(*notes, *(note for arm in arms for note in arm.notes), *_not_compared(job_arms), *too_late(cell)),
         unreachable=tuple(line for arm in arms for line in arm.unreachable),
     )
 
 
-def _refuse_several(cell: Cell, path: Path, arms: tuple[ArmJob, ...]) -> None:
-    """Refuse to compare controllers where several arms move."""
-    for number, robot in enumerate(cell.robot):
-        several = any(arm.name == robot.name and len(arm.settings) > 1 for arm in arms)
-        if len(arms) > 1 and several:
-            raise CellError(
-                f"{place_in(path, 'robot', number, 'controllers')}: several came; they are compared in cells of one "
-                "arm: name one"
+def _not_compared(arms: tuple[ArmJob, ...]) -> Iterator[str]:
+    """Say that controllers are not compared where several arms move."""
+    for arm in arms:
+        if len(arms) > 1 and len(arm.settings) > 1:
+            yield (
+                f"{arm.name}: it runs under {arm.settings[-1].controller.replace('_', ' ')} only; controllers are "
+                "compared in cells of one arm"
             )
 
 

@@ -1,4 +1,4 @@
-"""What a cell asks for that can never happen: later than its time limit, after a signal that nobody gives."""
+"""What a cell asks for that can never happen: longer than its time limit, after a signal that nobody gives."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from holonom.app.cell.robot import Robot
 from holonom.app.job import ArmJob, BaseJob
 from holonom.errors import CellError
 
-__all__ = ["refuse_never"]
+__all__ = ["refuse_never", "too_late"]
 
 
 def refuse_never(cell: Cell, path: Path, arms: Sequence[ArmJob], bases: Sequence[BaseJob]) -> None:
@@ -23,9 +23,18 @@ def refuse_never(cell: Cell, path: Path, arms: Sequence[ArmJob], bases: Sequence
     CellError
         A line each, with file, line and key.
     """
-    found = [*_long(cell, path, bases), *_late(cell, path), *_unheard(cell, path, arms, bases)]
+    found = [*_long(cell, path, bases), *_unheard(cell, path, arms, bases)]
     if found:
         raise CellError("\n".join(found))
+
+
+def too_late(cell: Cell) -> Iterator[str]:
+    """Say of events and faults that they come after the run's last moment."""
+    limit = cell.cell.time_limit
+    events = [(f"event of signal {event.signal}", event.at) for event in cell.event]
+    for what, at in (*events, *((f"fault of {fault.wheel}", fault.time) for fault in cell.fault)):
+        if at > limit:
+            yield f"{what} at {at:g} s: the cell's time_limit is {limit:g} s"
 
 
 def _long(cell: Cell, path: Path, bases: Sequence[BaseJob]) -> Iterator[str]:
@@ -34,20 +43,12 @@ def _long(cell: Cell, path: Path, bases: Sequence[BaseJob]) -> Iterator[str]:
     for robot in cell.robot:
         end = (robot.hold or 0.0) if robot.is_arm else ends[robot.name]
         if end > limit:
+            of = f" of {robot.name}" if robot.name else ""
             what = next(key for key in ("path", "velocity", "hold") if getattr(robot, key) is not None)
             yield (
-                f"{place_in(path, 'cell', 'time_limit')}: the {what} of {robot.name or 'the robot'} takes until "
+                f"{place_in(path, 'cell', 'time_limit')}: the {what}{of} takes until "
                 f"{end:.1f} s; time_limit is {limit:g} s: raise it, or shorten the {what}"
             )
-
-
-def _late(cell: Cell, path: Path) -> Iterator[str]:
-    limit = cell.cell.time_limit
-    events = [("event", "at", number, event.at) for number, event in enumerate(cell.event)]
-    faults = [("fault", "time", number, fault.time) for number, fault in enumerate(cell.fault)]
-    for table, key, number, at in (*events, *faults):
-        if at > limit:
-            yield f"{place_in(path, table, number, key)}: {at:g} s came; the cell's time_limit is {limit:g} s"
 
 
 def _unheard(cell: Cell, path: Path, arms: Sequence[ArmJob], bases: Sequence[BaseJob]) -> Iterator[str]:
