@@ -31,6 +31,7 @@ __all__ = ["BaseLoop", "DrivenPart", "simulate_base"]
 Array = NDArray[np.float64]
 
 SLOWEST = 0.2  # part of the path's speed below which a run is cut off
+PIECE = 4000  # ms of a run at once
 ENDINGS = {RUNNING: "cut off", DONE: "done", STOPPED: "jammed"}
 
 
@@ -85,12 +86,15 @@ class BaseLoop:
             Not a whole number of them, or a negative one.
         """
         ticks = whole_number("ticks", ticks)
-        blocks = len(self.plant.states)
+        fours, seen = len(self.plant.states), len(SEEN_WHEEL_SAMPLE)
+        sizes = [BODY_SAMPLE.itemsize, fours * WHEEL_SAMPLE.itemsize, CONTROL_SAMPLE.itemsize, 8 * seen * WIDTH * fours]
+        memory = np.zeros(ticks * sum(sizes), np.uint8)  # one piece: the system gives back and takes several anew
+        body, wheels, said, rest = np.split(memory, ticks * np.cumsum(sizes)[:-1])
         return LogBuffer(
-            np.zeros(ticks, BODY_SAMPLE),
-            np.zeros((ticks, blocks), WHEEL_SAMPLE),
-            np.zeros(ticks, CONTROL_SAMPLE),
-            np.zeros((ticks, len(SEEN_WHEEL_SAMPLE), WIDTH * blocks)),
+            body.view(BODY_SAMPLE),
+            wheels.view(WHEEL_SAMPLE).reshape(ticks, fours),
+            said.view(CONTROL_SAMPLE),
+            rest.view(np.float64).reshape(ticks, seen, WIDTH * fours),
         )
 
     def _arguments(self) -> tuple[Any, ...]:
@@ -150,7 +154,7 @@ def simulate_base(
     controller.follow_path(reference)
     log = _whole(loop, len(reference))
     time, ended = TICK * np.arange(len(log.body), dtype=np.float64), ENDINGS[controller.ending]
-    driven = DrivenPart(path)(float(controller.state["phase"][0]))
+    driven = 1.0 if ended == "done" else DrivenPart(path)(float(controller.state["phase"][0]))
     events = [Event(f.time, "warning", "plant", _fault_text(f, plant)) for f in faults]
     events += _ending_events(ended, driven, float(time[-1]))
     residual = controller.params.residual * controller.radii
@@ -162,9 +166,10 @@ def _whole(loop: BaseLoop, length: int) -> LogBuffer:
     left = math.ceil(length / SLOWEST)
     logs: list[LogBuffer] = []
     while left > 0 and (not logs or loop.controller.ending == RUNNING):
-        log = loop.buffer(min(length, left))
-        done = loop.advance_logged(log)
-        logs.append(log.first(done))
+        log, done = loop.buffer(min(length, left)), 0
+        while done < len(log.body) and loop.controller.ending == RUNNING:  # little noise at a time stays in the cache
+            done += loop.advance_logged(log.part(done, done + PIECE))
+        logs.append(log.part(0, done))
         left -= done
     return logs[0] if len(logs) == 1 else joined(logs)
 

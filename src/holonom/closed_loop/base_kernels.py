@@ -35,9 +35,9 @@ class LogBuffer(NamedTuple):
     said: Records  # (N,) CONTROL_SAMPLE
     seen: Floats  # (N, 4, 4 n) SEEN_WHEEL_SAMPLE
 
-    def first(self, count: int) -> LogBuffer:
-        """Return its first milliseconds."""
-        return LogBuffer(self.body[:count], self.wheels[:count], self.said[:count], self.seen[:count])
+    def part(self, first: int, last: int) -> LogBuffer:
+        """Return its milliseconds from one up to another, on the same memory."""
+        return LogBuffer(self.body[first:last], self.wheels[first:last], self.said[first:last], self.seen[first:last])
 
 
 def joined(logs: Sequence[LogBuffer]) -> LogBuffer:

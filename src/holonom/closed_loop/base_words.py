@@ -53,6 +53,8 @@ class BaseWords:
         return sorted(found, key=lambda event: event.time)
 
     def _truth(self, first: int, slip: Array) -> Iterator[Event]:
+        if self._limit == np.inf:
+            return
         over = np.abs(slip) > self._limit
         if not (over.any() or self._slipping.any()):
             return
@@ -71,7 +73,7 @@ class BaseWords:
                         yield Event(1e-3 * (first + k), "debug", "truth", text)
 
     def _slip(self, first: int, said: NDArray[np.void]) -> Iterator[Event]:
-        slips = np.isin(said["status"], (SlipStatus.SLIP, SlipStatus.AMBIGUOUS))
+        slips = (said["status"] == SlipStatus.SLIP) | (said["status"] == SlipStatus.AMBIGUOUS)
         if not (slips.any() or self._said):
             return
         for k in range(len(said)):

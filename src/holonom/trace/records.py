@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from typing import Any, get_type_hints
 
@@ -63,8 +64,12 @@ def side_by_side(rows: NDArray[np.void], **filling: float) -> NDArray[np.void]:
     return blocks
 
 
+@functools.cache
 def _in_lanes(dtype: np.dtype[np.void]) -> np.dtype[np.void]:
-    """A record of four records: each number is an array (4,)."""
+    """A record of four records: each number is an array (4,).
+
+    One object each: Numba knows a layout by the object, and looks longer at another one at every call.
+    """
     return np.dtype(
         [(name, _in_lanes(dtype[name]) if dtype[name].names else (dtype[name], (WIDTH,))) for name in dtype.names or ()]
     )

@@ -194,7 +194,7 @@ class BaseRig:
 
     def _say(self, first: int, done: int) -> None:
         """Records and events of the milliseconds that were driven."""
-        log = self._log.first(done)
+        log = self._log.part(0, done)
         self._records.put(first, log)
         slip = of_wheels(log.wheels, "slip", len(self.job.base.driven))
         for event in [
