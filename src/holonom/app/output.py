@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
 import tempfile
@@ -20,6 +21,9 @@ RECORDING, SUMMARY, REPORT = "recording.mcap", "summary.json", "report.html"
 """What a run leaves."""
 LOCK = ".lock"
 
+CLOSED = (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOSPC)
+"""What the system says of a folder that is there but takes nothing."""
+
 
 def prepare_output(folder: str | Path) -> Path:
     """Make a folder and see that files can be written to it; nothing is left in it.
@@ -27,7 +31,9 @@ def prepare_output(folder: str | Path) -> Path:
     Raises
     ------
     OutputError
-        It cannot be made or written to.
+        It cannot be made: something else has its name.
+    OutputFault
+        It is read-only, or the disk is full.
     """
     path = Path(folder)
     try:
@@ -36,7 +42,8 @@ def prepare_output(folder: str | Path) -> Path:
             return path
     except OSError as error:
         reason = error.strerror or str(error)
-        raise OutputError(f"cannot write to the output folder {path}: {reason}; give another one with -o") from None
+        kind = OutputFault if error.errno in CLOSED else OutputError
+        raise kind(f"cannot write to the output folder {path}: {reason}; give another one with -o") from None
 
 
 class RunFolder:
@@ -58,7 +65,9 @@ class RunFolder:
     Raises
     ------
     OutputError
-        In entering: the folder cannot be made or written to, or another run writes to it; which.
+        In entering: the folder cannot be made, or another run writes to it; which.
+    OutputFault
+        In entering: the folder is read-only, or the disk is full.
     """
 
     __slots__ = ("_lock", "_old", "path")
