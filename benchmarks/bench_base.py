@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from holonom.app.bench import Figure, Setting, seconds
+from holonom.app.about.bench import Figure, Setting, seconds
 from holonom.mobile.arrangements import ackermann, differential, mecanum, omni, swerve, synchro, tricycle
 from holonom.mobile.base import WheelBase
 

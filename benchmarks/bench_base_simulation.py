@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from holonom.app.bench import Figure, Setting, seconds
+from holonom.app.about.bench import Figure, Setting, seconds
 from holonom.closed_loop import BaseLoop, simulate_base
 from holonom.devices import DcMotor, Encoder, Gear
 from holonom.machine import PATHS, BaseController, PathLimits, plan_path

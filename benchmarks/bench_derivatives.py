@@ -7,7 +7,7 @@ from peers import peer, pinocchio_model
 from robots import medians
 
 from holonom import Arm
-from holonom.app.bench import Figure, Setting, seconds
+from holonom.app.about.bench import Figure, Setting, seconds
 from holonom.mechanics.dynamics import forward_dynamics_derivatives, inverse_dynamics_derivatives
 
 SIZES = (4096, 65536)

@@ -8,7 +8,7 @@ import numpy as np
 from peers import peer, pinocchio_model
 
 from holonom import load_arm
-from holonom.app.bench import Figure, Setting, seconds
+from holonom.app.about.bench import Figure, Setting, seconds
 from holonom.mechanics import Arm
 from holonom.mechanics.simulate import ComputedTorque, simulate, simulate_ensemble
 

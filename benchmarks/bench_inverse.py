@@ -10,7 +10,7 @@ import numpy as np
 from peers import peer, pinocchio_model
 
 from holonom import load_arm
-from holonom.app.bench import Figure, Setting, seconds
+from holonom.app.about.bench import Figure, Setting, seconds
 from holonom.mechanics import Arm
 from holonom.mechanics.numerical_inverse import InverseStatus, inverse_solver
 

@@ -7,7 +7,7 @@ from peers import eaik_robot, peer, pinocchio_model
 from robots import medians
 
 from holonom import Arm
-from holonom.app.bench import Figure, Setting, seconds
+from holonom.app.about.bench import Figure, Setting, seconds
 
 SIZES = (4096, 65536)
 LOOP = 256  # samples of a peer that takes one at a time

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import tempfile
 
-from holonom.app.bench import Figure, Setting
+from holonom.app.about.bench import Figure, Setting
 
 KERNELS = (
     "inverse_dynamics_derivatives",

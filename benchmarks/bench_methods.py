@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from holonom.app.bench import Figure, Setting, seconds
+from holonom.app.about.bench import Figure, Setting, seconds
 from holonom.machine import PATHS, plan_path
 from holonom.machine.base.paths import HEADINGS
 from holonom.mechanics.motion import PROFILES, on_grid, time_law

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from holonom.app.bench import Figure, Setting, seconds
+from holonom.app.about.bench import Figure, Setting, seconds
 from holonom.app.odometry_log import read_log
 from holonom.mobile.calibration import Run, calibrate, drive_parameters, umbmark
 from holonom.mobile.odometry import integrate

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from holonom import load_arm
-from holonom.app.bench import Figure, Setting, seconds
+from holonom.app.about.bench import Figure, Setting, seconds
 from holonom.closed_loop import ArmLoop
 from holonom.machine import ControlSettings
 from holonom.mechanics.motion import plan_joint

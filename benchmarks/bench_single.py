@@ -14,7 +14,7 @@ from peers import peer, pinocchio_model
 from robots import ROBOTS, median
 
 from holonom import Arm, load_arm
-from holonom.app.bench import Figure, Setting, seconds
+from holonom.app.about.bench import Figure, Setting, seconds
 from holonom.mechanics import analysis, dynamics, identification, jacobians, velocity
 from holonom.mechanics.numerical_inverse import inverse_solver, solve_inverse
 

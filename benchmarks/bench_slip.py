@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import linprog
 
-from holonom.app.bench import Figure, Setting, seconds
+from holonom.app.about.bench import Figure, Setting, seconds
 from holonom.mobile.drive.coupling import Coupling, omni_coupling, rim_speeds
 from holonom.mobile.drive.envelopes import effective_motors
 from holonom.mobile.drive.slip import SlipSettings, slip_params

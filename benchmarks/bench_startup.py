@@ -9,7 +9,7 @@ import sys
 import tempfile
 import time
 
-from holonom.app.bench import Figure, Setting
+from holonom.app.about.bench import Figure, Setting
 
 KERNELS = """
 import time, numba, numpy as np, scipy.spatial.transform

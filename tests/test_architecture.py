@@ -46,13 +46,13 @@ def test_import_is_light() -> None:
 def test_help_is_light() -> None:
     code = """
 import contextlib, io, sys
-from holonom.app.cli import main
+from holonom.app.console.cli import main
 with contextlib.redirect_stdout(io.StringIO()), contextlib.suppress(SystemExit):
     main(["--help"])
 print(*sys.modules)
 """
     loaded = set(python(code).split())
-    assert "holonom.app.cli" in loaded
+    assert "holonom.app.console.cli" in loaded
     assert not HEAVY & loaded
 
 

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from holonom.app.bench import Figure, run_benchmarks
-from holonom.app.cli import main
+from holonom.app.about.bench import Figure, run_benchmarks
+from holonom.app.console.cli import main
 from holonom.errors import UnknownName
 
 

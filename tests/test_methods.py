@@ -12,9 +12,9 @@ from typing import Any
 
 import pytest
 
-from holonom.app import methods
-from holonom.app.cli import main
-from holonom.app.tables import TABLES, table_of
+from holonom.app.about import methods
+from holonom.app.about.tables import TABLES, table_of
+from holonom.app.console.cli import main
 from holonom.errors import InputError, UnknownName
 from holonom.registry import Method, check_value, read_record
 
@@ -210,7 +210,7 @@ def test_one_file_adds_a_method(
 
 
 def test_a_controller_that_is_added_is_a_choice_of_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from holonom.app.cell.robot import Robot
+    from holonom.app.cell.model.robot import Robot
 
     (tmp_path / "thrown_away.py").write_text(CONTROLLER)
     about = tmp_path / "thrown_away-1.0.dist-info"

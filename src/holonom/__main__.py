@@ -2,13 +2,13 @@
 
 import sys
 
-from holonom.app.interrupts import quiet_process
+from holonom.app.console.interrupts import quiet_process
 
 
 def main() -> int:
     """Run the command line of this process; the exit status."""
     with quiet_process():
-        from holonom.app.cli import main
+        from holonom.app.console.cli import main
 
         return main()
 

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from holonom.app.cell import load_cell
-from holonom.app.cell.build import build_job
+from holonom.app.cell.build.job import build_job
 from holonom.app.job import Job
 from holonom.app.recording.scope import Scope
-from holonom.app.wheel_frames import wheel_frames
+from holonom.app.rig.wheel_frames import wheel_frames
 
 CELLS = Path(__file__).parent / "cells"
 ABOUT = '[cell]\nname = "a cell"\ntime_limit = "60s"\n'

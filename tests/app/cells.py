@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from holonom.app.cli import main
+from holonom.app.console.cli import main
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "01_sort_coins"
 

@@ -13,7 +13,7 @@ from holonom.app.recording import Recorder
 from holonom.app.report import Box, Disc, Label, Scene, Tube, View
 from holonom.app.report.attached import OUTCOME, ending_words
 from holonom.app.report.attachments import attachments_of
-from holonom.app.report.facts import Ending
+from holonom.app.report.findings.facts import Ending
 from holonom.devices import DcMotor, Encoder, Gear
 from holonom.lang import compile_program
 from holonom.machine import BaseSettings, ControlSettings, LineSettings

@@ -11,9 +11,9 @@ from report_jobs import WHEELS, base_job, job_of
 
 from holonom.app.recording import BaseTrack, Recording, Track
 from holonom.app.report.attachments import cell_facts
-from holonom.app.report.base_findings import Phase, findings_of, motion_of, path_error
-from holonom.app.report.base_words import dead_since, said_of
-from holonom.app.report.facts import FaultFacts, RobotFacts
+from holonom.app.report.findings.base_findings import Phase, findings_of, motion_of, path_error
+from holonom.app.report.findings.base_words import dead_since, said_of
+from holonom.app.report.findings.facts import FaultFacts, RobotFacts
 from holonom.signals import Event
 
 FACTS = cell_facts(job_of(base_job())).robots[0]

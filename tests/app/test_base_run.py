@@ -13,10 +13,10 @@ import pytest
 from rig_runs import record
 
 from holonom.app.cell import load_cell
-from holonom.app.cell.build import build_job
-from holonom.app.cli import main
+from holonom.app.cell.build.job import build_job
+from holonom.app.console.cli import main
 from holonom.app.recording import read_recording
-from holonom.app.report.base_findings import Phase, findings_of, motion_of, path_error
+from holonom.app.report.findings.base_findings import Phase, findings_of, motion_of, path_error
 from holonom.errors import CellError
 from holonom.sim import Floor
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from holonom.app.cli import main
+from holonom.app.console.cli import main
 from holonom.app.recording import Recorder
 from holonom.mechanics import Arm, load_arm
 from holonom.mechanics.identification import excitation

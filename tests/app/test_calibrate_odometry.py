@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from holonom.app.calibrate_odometry import TOPICS, calibrate_odometry
+from holonom.app.calibrate.odometry import TOPICS, calibrate_odometry
 from holonom.app.odometry_log import OdometryLog, write_log
 from holonom.app.odometry_log.mcap_file import _numbers
-from holonom.app.recording.messages import odometry_layout, odometry_plane
+from holonom.app.recording.format.messages import odometry_layout, odometry_plane
 from holonom.errors import CalibrationError, LogError, UnknownName
 from holonom.mobile.calibration import Run, drive_parameters
 from holonom.mobile.odometry import integrate

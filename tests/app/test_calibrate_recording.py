@@ -11,8 +11,8 @@ import pytest
 from rig_runs import record
 
 from holonom.app.cell import load_cell
-from holonom.app.cell.build import build_job
-from holonom.app.cli import main
+from holonom.app.cell.build.job import build_job
+from holonom.app.console.cli import main
 from holonom.app.odometry_log import read_log
 from holonom.app.recording import Recorder
 from holonom.app.recording.robot import ROBOT, base_words

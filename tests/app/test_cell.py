@@ -12,7 +12,7 @@ import pytest
 
 from holonom import load_arm
 from holonom.app.cell import Cell, cell_schema, load_cell
-from holonom.app.output import prepare_output
+from holonom.app.console.output import prepare_output
 from holonom.errors import CellError, OutputError
 from holonom.spatial import pose
 

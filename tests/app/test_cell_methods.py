@@ -9,10 +9,10 @@ from typing import Annotated
 import pytest
 from pydantic import TypeAdapter, ValidationError
 
-from holonom.app.cell_fields import Section
-from holonom.app.cell_methods import Chosen, OneMethod, params_schema, read_params
-from holonom.app.tables import TABLES, table_of
-from holonom.app.toml_faults import parse_toml, worded_faults
+from holonom.app.about.tables import TABLES, table_of
+from holonom.app.fields.methods import Chosen, OneMethod, params_schema, read_params
+from holonom.app.fields.quantities import Section
+from holonom.app.fields.toml_faults import parse_toml, worded_faults
 from holonom.control import CONTROLLERS
 from holonom.control.methods import BASE_CONTROLLERS, CascadeSettings
 from holonom.devices import DEVICES, Gyro

@@ -11,7 +11,7 @@ from cell_files import ABOUT, CELLS, built, write
 
 from holonom import load_arm
 from holonom.app.cell import Cell, cell_schema, load_cell
-from holonom.app.cell.short import SHORT
+from holonom.app.cell.model.short import SHORT
 from holonom.app.job import Job
 from holonom.errors import CellError
 

@@ -10,7 +10,7 @@ from cell_files import ABOUT, built, drawn, write
 
 from holonom import load_arm
 from holonom.app.cell import load_cell
-from holonom.app.cell.build import refuse_unsimulated
+from holonom.app.cell.build.job import refuse_unsimulated
 from holonom.app.cell.check import check_cell
 from holonom.errors import CellError
 from holonom.mechanics import Arm

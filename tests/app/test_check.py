@@ -11,10 +11,10 @@ import pytest
 from cells import EXAMPLE, CellCopy
 
 from holonom.app.cell import load_cell
-from holonom.app.cell.build import build_job
+from holonom.app.cell.build.job import build_job
+from holonom.app.cell.build.taught import taught_problems
 from holonom.app.cell.rehearse import Rehearsal, rehearse
-from holonom.app.cell.taught import taught_problems
-from holonom.app.cli import main
+from holonom.app.console.cli import main
 from holonom.lang import load_program
 
 

@@ -17,10 +17,10 @@ from typing import Any
 import pytest
 
 from holonom import __version__
-from holonom.app.answer import Answer
-from holonom.app.cli import main
 from holonom.app.commands import COMMANDS
-from holonom.app.interrupts import Interrupted
+from holonom.app.console.answer import Answer
+from holonom.app.console.cli import main
+from holonom.app.console.interrupts import Interrupted
 from holonom.errors import CellError, MotionError
 
 
@@ -191,7 +191,7 @@ def test_help(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_one_command_loads_no_other(tmp_path: Path) -> None:
-    code = "import sys; from holonom.app.cli import main; main(['check', 'x.toml']); print(*sys.modules)"
+    code = "import sys; from holonom.app.console.cli import main; main(['check', 'x.toml']); print(*sys.modules)"
     loaded = set(python("-c", code, folder=tmp_path).stdout.splitlines()[-1].split())
     assert {name for name in loaded if name.startswith("holonom.app.commands.")} == {"holonom.app.commands.check"}
 
@@ -234,7 +234,7 @@ def test_a_limit_that_is_no_size_is_bad_input(
 
 
 def test_doctor_says_what_is_missing(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    from holonom.app import doctor
+    from holonom.app.about import doctor
 
     monkeypatch.setattr(doctor, "EXTRAS", {"vision": {"json": "json", "no_such_module": "no-such-package"}})
     monkeypatch.setattr(doctor, "NEEDED", ("no-such-need",))
@@ -284,7 +284,7 @@ def test_a_bad_cell_leaves_nothing(tmp_path: Path) -> None:
 
 
 def test_doctor_loads_nothing_heavy(tmp_path: Path) -> None:
-    code = "import sys; from holonom.app.cli import main; main(['doctor']); print(*sys.modules)"
+    code = "import sys; from holonom.app.console.cli import main; main(['doctor']); print(*sys.modules)"
     loaded = set(python("-c", code, folder=tmp_path).stdout.splitlines()[-1].split())
-    assert "holonom.app.doctor" in loaded
+    assert "holonom.app.about.doctor" in loaded
     assert not {"numba", "scipy", "cv2", "pydantic", "lark", "mcap"} & loaded

@@ -15,9 +15,9 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 
 from holonom.app.cell import load_cell
-from holonom.app.cell.camera import calibrate
-from holonom.app.cell.places import placement_pose
-from holonom.app.cli import main
+from holonom.app.cell.build.camera import calibrate
+from holonom.app.cell.model.places import placement_pose
+from holonom.app.console.cli import main
 from holonom.app.recording import Recording, read_recording
 from holonom.model import preset
 from holonom.spatial import inverse

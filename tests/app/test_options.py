@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from holonom.app.options import argument, option, output, parse_options, quiet, seed
+from holonom.app.console.options import argument, option, output, parse_options, quiet, seed
 from holonom.errors import UsageError
 
 

@@ -12,12 +12,12 @@ from pathlib import Path
 
 import pytest
 
-from holonom.app.output import LOCK, RunFolder
+from holonom.app.console.output import LOCK, RunFolder
 from holonom.errors import OutputError, OutputFault
 
 HOLDER = """
 import sys, time
-from holonom.app.output import RunFolder
+from holonom.app.console.output import RunFolder
 with RunFolder(sys.argv[1]) as folder:
     print("in", flush=True)
     time.sleep(60)

@@ -13,8 +13,8 @@ from mcap_ros2.decoder import DecoderFactory
 from scipy.spatial.transform import Rotation
 
 from holonom.app.recording import Recorder, read_recording
-from holonom.app.recording.cdr import CdrReader, CdrWriter
-from holonom.app.recording.schemas import schema_text
+from holonom.app.recording.format.cdr import CdrReader, CdrWriter
+from holonom.app.recording.format.schemas import schema_text
 from holonom.errors import InputError, OutputError, ShapeError
 from holonom.signals import DriveState, Event, FramePoses, JointCommand, JointState, Signal
 
@@ -244,7 +244,7 @@ UPSTREAM = {  # git object names of the files in ROS 2 Kilted Kaiju
 
 
 def test_definitions_are_upstream_to_the_byte():
-    folder = files("holonom.app.recording") / "definitions"
+    folder = files("holonom.app.recording.format") / "definitions"
     for name, expected in UPSTREAM.items():
         data = (folder / f"{name}.msg").read_bytes()
         assert hashlib.sha1(b"blob %d\0" % len(data) + data).hexdigest() == expected, name

@@ -29,7 +29,7 @@ from holonom.app.report import (
     gripper_shapes,
     write_report,
 )
-from holonom.app.report.comparison import phase_errors
+from holonom.app.report.findings.comparison import phase_errors
 from holonom.errors import OutputError, UnknownName
 from holonom.signals import Event
 

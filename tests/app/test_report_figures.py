@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from holonom.app.report import Figures, MapLine, MapMark, MapPatch, Polar, PolarLine, Table, TopView
-from holonom.app.report.figures import figures_html
-from holonom.app.report.polar import polar_svg
-from holonom.app.report.topview import topview_svg
+from holonom.app.report.drawing.figures import figures_html
+from holonom.app.report.drawing.polar import polar_svg
+from holonom.app.report.drawing.topview import topview_svg
 
 
 def points(svg: str, tag: str) -> list[np.ndarray]:

@@ -26,21 +26,22 @@ from report_jobs import (
 from test_report import ask, embedded, grey_png, tool
 
 from holonom import registry
-from holonom.app.cli import main
-from holonom.app.output import RunFolder
-from holonom.app.recording import Recorder, pieces, read_recording, read_robots
+from holonom.app.console.cli import main
+from holonom.app.console.output import RunFolder
+from holonom.app.recording import Recorder, read_recording, read_robots
+from holonom.app.recording.format import pieces
 from holonom.app.report import Detection, Figures, PhotoOverlay, Scene, Table, section_table
 from holonom.app.report.attached import cell_of, ending_of, photograph_of, recorded_scene
 from holonom.app.report.attachments import attachments_of, cell_facts
-from holonom.app.report.embed import CURVE_SAMPLES
-from holonom.app.report.inferred_scene import inferred_scene
-from holonom.app.report.peaks import limit_uses
+from holonom.app.report.drawing.embed import CURVE_SAMPLES
+from holonom.app.report.drawing.inferred_scene import inferred_scene
+from holonom.app.report.drawing.scene_text import scene_json, scene_of, scene_text
+from holonom.app.report.findings.peaks import limit_uses
+from holonom.app.report.findings.summary import summary_of
+from holonom.app.report.findings.tracking import arm_of
 from holonom.app.report.reporting import report_html
-from holonom.app.report.scene_text import scene_json, scene_of, scene_text
 from holonom.app.report.section_table import Section
 from holonom.app.report.source import source_of
-from holonom.app.report.summary import summary_of
-from holonom.app.report.tracking import arm_of
 from holonom.errors import InputError
 from holonom.mechanics import load_arm
 from holonom.registry import OWN, Method

@@ -13,13 +13,13 @@ from report_jobs import SLIP_EVENTS, arm_job, arm_records, base_job, base_record
 from test_report import embedded
 
 from holonom.app.recording import Recorder
-from holonom.app.recording.cdr import CdrWriter
+from holonom.app.recording.format.cdr import CdrWriter
 from holonom.app.recording.reader import FORMER
-from holonom.app.report.base_findings import findings_of
+from holonom.app.report.drawing.scene import Tube
+from holonom.app.report.findings.base_findings import findings_of
+from holonom.app.report.findings.summary import summary_of
 from holonom.app.report.reporting import report_html
-from holonom.app.report.scene import Tube
 from holonom.app.report.source import source_of
-from holonom.app.report.summary import summary_of
 
 
 def test_an_empty_recording_has_a_report(tmp_path: Path) -> None:

@@ -21,7 +21,7 @@ from mcap.exceptions import EndOfFile
 from mcap.reader import NonSeekingReader
 
 from holonom import load_arm
-from holonom.app.cli import main
+from holonom.app.console.cli import main
 from holonom.app.recording import read_recording
 from holonom.model import PRESETS
 

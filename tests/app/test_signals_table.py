@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from holonom import signals
 from holonom.app.recording import Recorder, read_recording, topics_table
-from holonom.app.recording.messages import (
+from holonom.app.recording.format.messages import (
     JointMessage,
     array_layout,
     joint_layout,

@@ -9,7 +9,7 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from holonom.app.toml_lines import KeyPath, key_lines
+from holonom.app.fields.toml_lines import KeyPath, key_lines
 
 NASTY = '''# [no] = "table"
 top = 1.5e3  # = [ { "

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from holonom.app.units import DIMENSIONS, parse_quantity
+from holonom.app.fields.units import DIMENSIONS, parse_quantity
 from holonom.errors import InputError, UnknownName
 
 WRITTEN = [(dimension, unit) for dimension, units in DIMENSIONS.items() for unit in units if unit]

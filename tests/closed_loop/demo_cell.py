@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from holonom.app.cell import load_cell
-from holonom.app.cell.build import build_job
+from holonom.app.cell.build.job import build_job
 from holonom.closed_loop import ArmLoop, SimulatedArm
 from holonom.lang import Configuration, Motion, Part, Program, Status, start, step
 from holonom.machine import ArmMachine, ControlSettings, DryMachine

@@ -38,7 +38,7 @@ from holonom.devices import (
     tracking_params,
     tracking_step,
 )
-from holonom.trace.loops import loop
+from holonom.trace.code.loops import loop
 
 DT = 1e-4
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from holonom.app.cell import load_cell
-from holonom.app.cell.build import build_job
+from holonom.app.cell.build.job import build_job
 from holonom.closed_loop import simulate_base
 from holonom.control.base_uncertainty import UncertaintySettings, covariance_along
 from holonom.control.path_keeping import EstimateSettings

@@ -26,7 +26,7 @@ from holonom.devices import (
     tracking_step,
 )
 from holonom.errors import OutOfLimits
-from holonom.trace.loops import loop
+from holonom.trace.code.loops import loop
 
 WEIGHT = 40.0  # N m, of the pendulum stretched out
 

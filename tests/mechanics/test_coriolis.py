@@ -9,8 +9,9 @@ from scipy.spatial.transform import Rotation
 
 from holonom.errors import MissingInertia, ModelError, UnknownName
 from holonom.mechanics import Arm, arm_from_dh, dynamics, load_arm
-from holonom.mechanics.equations import composite_body, coriolis, energy, kinematics, newton_euler
-from holonom.mechanics.kernels import bodies_of
+from holonom.mechanics.equations import kinematics
+from holonom.mechanics.equations.dynamics import composite_body, coriolis, energy, newton_euler
+from holonom.mechanics.kernels.table import bodies_of
 from holonom.model import Body, DHRow, Motor
 
 

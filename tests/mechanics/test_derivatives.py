@@ -10,15 +10,15 @@ from scipy.spatial.transform import Rotation
 from holonom.errors import MissingInertia, UnknownName
 from holonom.mechanics import Arm, arm_from_dh, load_arm
 from holonom.mechanics.dynamics import forward_dynamics_derivatives, inverse_dynamics_derivatives
-from holonom.mechanics.equations import derivatives, newton_euler
-from holonom.mechanics.equations.forward_dynamics import forward_dynamics
+from holonom.mechanics.equations.dynamics import derivatives, newton_euler
+from holonom.mechanics.equations.dynamics.forward_dynamics import forward_dynamics
 from holonom.mechanics.jacobians import acceleration_bias, analytic_jacobian, jacobian_hessian, jacobian_rate
-from holonom.mechanics.kernels import bodies_of
+from holonom.mechanics.kernels.table import bodies_of
 from holonom.model import DHRow, Friction, Motor
 from holonom.spatial import rpy_angles, zyz_angles
 from holonom.trace import Graph, Scalar
 from holonom.trace.derivative import jacobian
-from holonom.trace.line import operand, straight_line
+from holonom.trace.line.straight import operand, straight_line
 
 
 def rubbing(model):

@@ -9,10 +9,11 @@ from peers import pinocchio_model
 
 from holonom.errors import InputError, MissingInertia, ShapeError, UnknownName
 from holonom.mechanics import Arm, arm_from_dh, load_arm
-from holonom.mechanics.equations import composite_body, kinematics, newton_euler
-from holonom.mechanics.equations.forward_dynamics import forward_dynamics
-from holonom.mechanics.equations.inertia import fixed_to_body
-from holonom.mechanics.kernels import bodies_of
+from holonom.mechanics.equations import kinematics
+from holonom.mechanics.equations.dynamics import composite_body, newton_euler
+from holonom.mechanics.equations.dynamics.forward_dynamics import forward_dynamics
+from holonom.mechanics.equations.dynamics.inertia import fixed_to_body
+from holonom.mechanics.kernels.table import bodies_of
 from holonom.model import Body, DHRow
 
 MODELS = [

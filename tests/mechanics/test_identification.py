@@ -9,9 +9,9 @@ from arms import random_body, random_model, random_tree
 
 from holonom.errors import InputError, OutOfLimits, ShapeError
 from holonom.mechanics import Arm, load_arm
-from holonom.mechanics.equations import newton_euler
-from holonom.mechanics.equations.inertia import from_body
-from holonom.mechanics.equations.regressor import to_parameters
+from holonom.mechanics.equations.dynamics import newton_euler
+from holonom.mechanics.equations.dynamics.inertia import from_body
+from holonom.mechanics.equations.dynamics.regressor import to_parameters
 from holonom.mechanics.identification import (
     base_parameters,
     column_names,
@@ -22,7 +22,7 @@ from holonom.mechanics.identification import (
     regressor,
 )
 from holonom.mechanics.identification.columns import regressor_of_rows
-from holonom.mechanics.kernels import bodies_of
+from holonom.mechanics.kernels.table import bodies_of
 from holonom.model import Body, DHRow, Friction, Motor, arm_model_from_dh
 
 

@@ -7,8 +7,8 @@ from test_derivatives import floats, motion, rubbing
 
 from holonom.mechanics import Arm
 from holonom.mechanics.dynamics import christoffel, coupling_table, forward_dynamics_derivatives
-from holonom.mechanics.equations import coriolis, derivatives, newton_euler, regressor
-from holonom.mechanics.kernels import bodies_of
+from holonom.mechanics.equations.dynamics import coriolis, derivatives, newton_euler, regressor
+from holonom.mechanics.kernels.table import bodies_of
 
 
 def composition(model, q, qd, tau, friction):
@@ -45,7 +45,7 @@ def test_thirty_joints():
 
 def test_columns_of_a_tree(monkeypatch):
     """Branches, and a joint that follows another one."""
-    monkeypatch.setattr("holonom.mechanics.dynamics_kernels.MANY", 2)
+    monkeypatch.setattr("holonom.mechanics.kernels.dynamics.MANY", 2)
     model = rubbing(random_tree(6, 7))
     assert Arm(model).kernel("forward_dynamics_derivatives").columns is not None
     check_derivatives(model, [0, 5], True)
@@ -53,7 +53,7 @@ def test_columns_of_a_tree(monkeypatch):
 
 @pytest.mark.parametrize("model", [random_model(3, 5), random_tree(5, 5)], ids=["chain", "tree"])
 def test_christoffel_symbols_in_columns(model, monkeypatch):
-    monkeypatch.setattr("holonom.mechanics.dynamics_kernels.MANY_SYMBOLS", 2)
+    monkeypatch.setattr("holonom.mechanics.kernels.dynamics.MANY_SYMBOLS", 2)
     arm, q = Arm(model), motion(model, 1)
     assert arm.kernel("christoffel").columns is not None
     for x in (q[0], q):

@@ -13,8 +13,8 @@ from holonom.mechanics import Arm
 from holonom.mechanics.equations import kinematics
 from holonom.mechanics.equations.criteria import CRITERIA
 from holonom.mechanics.equations.pose_task import damped_multipliers, pose_error, pose_task, rotation_vector
+from holonom.mechanics.kernels.pose import multipliers_kernel
 from holonom.mechanics.numerical_inverse import InverseStatus, solve_inverse
-from holonom.mechanics.pose_kernels import multipliers_kernel
 from holonom.mechanics.velocity import follow_path, joint_rates
 from holonom.model import DHRow, JointLimits
 
@@ -85,7 +85,7 @@ def test_multipliers_solve_the_damped_normal_equations():
 
 
 def test_a_step_leaves_blocked_joints_out():
-    from holonom.mechanics.solver_kernels import damped_step, scratch
+    from holonom.mechanics.loops.solver import damped_step, scratch
 
     rng, room = np.random.default_rng(2), scratch(7)
     J, x, free = rng.normal(size=(6, 7)), rng.normal(size=6), np.array([1.0, 0, 1, 1, 0, 1, 1])

@@ -9,10 +9,10 @@ from scipy.special import ellipj, ellipk
 
 from holonom.errors import InputError, MissingInertia, OutOfLimits, RunError, ShapeError, UnknownName
 from holonom.mechanics import Arm, load_arm
-from holonom.mechanics.equations.closed_loop import closed_loop
-from holonom.mechanics.equations.forward_dynamics import forward_dynamics
-from holonom.mechanics.equations.inertia import fixed_to_body, from_body
-from holonom.mechanics.equations.newton_euler import inverse_dynamics
+from holonom.mechanics.equations.dynamics.closed_loop import closed_loop
+from holonom.mechanics.equations.dynamics.forward_dynamics import forward_dynamics
+from holonom.mechanics.equations.dynamics.inertia import fixed_to_body, from_body
+from holonom.mechanics.equations.dynamics.newton_euler import inverse_dynamics
 from holonom.mechanics.motion import plan_joint
 from holonom.mechanics.simulate import METHODS, ComputedTorque, PDGravity, simulate, simulate_ensemble
 from holonom.model import ArmModel, Body, Friction, Joint

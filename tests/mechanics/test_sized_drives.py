@@ -12,7 +12,7 @@ from holonom import load_arm
 from holonom.errors import MissingInertia, ModelError
 from holonom.machine import ArmServos, ControlSettings
 from holonom.mechanics import Arm
-from holonom.mechanics.sized_drives import sized_drives
+from holonom.mechanics.arm.sized_drives import sized_drives
 from holonom.model import JointLimits, preset_names
 
 FILES = (

@@ -4,7 +4,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from holonom.mechanics.svd import singular_values, svd
+from holonom.numeric.svd import singular_values, svd
 
 SHAPES = [(6, 6), (6, 7), (3, 6), (6, 2), (7, 3), (3, 3), (1, 4), (4, 1), (1, 1)]
 SHAPES += [(5, 5), (6, 5), (4, 6), (6, 60), (8, 7)]

@@ -9,8 +9,9 @@ from arms import random_model, random_tree
 
 from holonom.errors import InputError, MissingInertia, UnknownName
 from holonom.mechanics import load_arm
-from holonom.mechanics.equations import composite_body, coriolis, forward_dynamics, kinematics, newton_euler
-from holonom.mechanics.kernels import bodies_of
+from holonom.mechanics.equations import kinematics
+from holonom.mechanics.equations.dynamics import composite_body, coriolis, forward_dynamics, newton_euler
+from holonom.mechanics.kernels.table import bodies_of
 from holonom.mechanics.symbolic import QUANTITIES, formulas
 from holonom.model import Body, DHRow, arm_model_from_dh, preset
 

@@ -19,7 +19,7 @@ from holonom.mobile.arrangements import (
     tricycle,
 )
 from holonom.mobile.base import WheelBase
-from holonom.mobile.wheel import Wheel
+from holonom.mobile.base.wheel import Wheel
 
 
 def presets() -> dict[str, WheelBase]:

@@ -11,7 +11,7 @@ from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError, Unkn
 from holonom.mobile import ARRANGEMENTS, arrangement
 from holonom.mobile import arrangements as arr
 from holonom.mobile.base import WheelBase
-from holonom.mobile.centre import centre_of_axles
+from holonom.mobile.base.centre import centre_of_axles
 
 SQUARE = {"wheelbase": 24.0, "track": 24.0, "wheel_radius": 1.0}  # WPILib's wheels at (+-12, +-12) m
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile.base import WheelBase
-from holonom.mobile.centre import centre_of_axles
-from holonom.mobile.wheel import Wheel
+from holonom.mobile.base.centre import centre_of_axles
+from holonom.mobile.base.wheel import Wheel
 
 BASES = presets()
 

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from holonom.errors import InputError, ShapeError
 from holonom.mobile.arrangements import ackermann, ackermann_steering, differential, mecanum
 from holonom.mobile.base import WheelBase
-from holonom.mobile.centre import centre_of_axles, centre_of_twist
-from holonom.mobile.wheel import Wheel
+from holonom.mobile.base.centre import centre_of_axles, centre_of_twist
+from holonom.mobile.base.wheel import Wheel
 
 
 @given(twists)

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from holonom.errors import ModelError
 from holonom.mobile.base import WheelBase
-from holonom.mobile.mobility import Mobility, degrees_of_freedom, is_holonomic, mobility
+from holonom.mobile.base.mobility import Mobility, degrees_of_freedom, is_holonomic, mobility
+from holonom.mobile.base.wheel import Wheel
 from holonom.mobile.poses import integrated
-from holonom.mobile.wheel import Wheel
 
 PUBLISHED = {  # Siegwart & Nourbakhsh, fig. 3.14, and Campion, Bastin & d'Andrea-Novel 1996
     "differential": (2, 0, 2),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import linprog
 
-from holonom.app.calibrate_odometry import calibrate_odometry
+from holonom.app.calibrate.odometry import calibrate_odometry
 from holonom.app.odometry_log import read_log
 from holonom.errors import CalibrationError
 from holonom.mobile.calibration import calibrate

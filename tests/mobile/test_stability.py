@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError
 from holonom.mobile.arrangements import ackermann, differential, mecanum, omni, sphere
 from holonom.mobile.base import WheelBase
+from holonom.mobile.base.wheel import Wheel
 from holonom.mobile.stability import (
     acceleration_limit,
     contact_points,
@@ -20,7 +21,6 @@ from holonom.mobile.stability import (
     wheel_loads,
     zero_moment_point,
 )
-from holonom.mobile.wheel import Wheel
 
 CAR = ackermann(2.5, 1.5, 0.3, mass=1200.0, com=(1.2, 0.1), com_height=0.6)
 spots = st.tuples(*2 * [st.integers(-100, 100).map(lambda cm: 0.01 * cm)])

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from holonom.errors import ModelError, UnknownName
 from holonom.mobile.base import WheelBase
+from holonom.mobile.base.wheel import KINDS, Wheel
 from holonom.mobile.equations.wheels import unit
-from holonom.mobile.wheel import KINDS, Wheel
 
 
 def velocity_at(twist, x, y):

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from holonom.mechanics.equations import composite_body, kinematics, newton_euler
-from holonom.mechanics.equations.forward_dynamics import forward_dynamics
-from holonom.mechanics.kernels import bodies_of
+from holonom.mechanics.equations import kinematics
+from holonom.mechanics.equations.dynamics import composite_body, newton_euler
+from holonom.mechanics.equations.dynamics.forward_dynamics import forward_dynamics
+from holonom.mechanics.kernels.table import bodies_of
 
 
 def array(values) -> np.ndarray:

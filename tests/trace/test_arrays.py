@@ -3,7 +3,7 @@
 import numpy as np
 
 from holonom.trace import absolute, atan2, cos, less, less_equal, maximum, select, sin, sqrt
-from holonom.trace.arrays import CHUNK, on_arrays
+from holonom.trace.line.arrays import CHUNK, on_arrays
 
 
 def equation(a, b):

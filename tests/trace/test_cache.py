@@ -14,20 +14,23 @@ from typing import NamedTuple
 import pytest
 
 from holonom.errors import OutputError
-from holonom.trace import cache, cache_use, empty_cache
-from holonom.trace.cache import Entry
+from holonom.trace import cache_use, empty_cache
+from holonom.trace.code import cache
+from holonom.trace.code.cache import Entry
 
-SOURCE = Path(cache.__file__).parents[1]
+SOURCE = Path(cache.__file__).parents[2]
 CHAIN = {
     "chain/__init__.py": "from .far import far as helper\n",
-    "chain/far.py": "from holonom.trace.loops import loop\nFACTOR = 2.0\n@loop\ndef far(x):\n    return FACTOR * x\n",
+    "chain/far.py": (
+        "from holonom.trace.code.loops import loop\nFACTOR = 2.0\n@loop\ndef far(x):\n    return FACTOR * x\n"
+    ),
     "control/near.py": (
         "from holonom.chain import helper\nfrom holonom.control.kernels import PositionParams, position_step\n"
-        "from holonom.trace.loops import loop\n\n\n@loop\ndef near(x):\n    return helper(x) + 1.0\n\n\n"
+        "from holonom.trace.code.loops import loop\n\n\n@loop\ndef near(x):\n    return helper(x) + 1.0\n\n\n"
         "@loop\ndef step(x):\n    return position_step(PositionParams(1.0, 1e9, 1.0), x, 0.0, 0.0)\n"
     ),
     "chain/top.py": (
-        "from holonom.control.near import near, step\nfrom holonom.trace.loops import loop\n\n\n"
+        "from holonom.control.near import near, step\nfrom holonom.trace.code.loops import loop\n\n\n"
         "@loop\ndef top(x):\n    return near(x)\n\n\n@loop\ndef stepped(x):\n    return step(x)\n"
     ),
 }
@@ -147,7 +150,7 @@ def test_two_processes_at_once_compile_once(copy: Copy) -> None:
 @pytest.mark.skipif(cache.fcntl is None, reason="no locks on this system")
 def test_a_killed_process_lets_others_go_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOLONOM_CACHE", str(tmp_path))
-    code = "from holonom.trace.cache import Entry\nEntry('a', 'f00d').lock()\nprint(flush=True)\ninput()"
+    code = "from holonom.trace.code.cache import Entry\nEntry('a', 'f00d').lock()\nprint(flush=True)\ninput()"
     holder = subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     assert holder.stdout
     assert holder.stdin
@@ -198,7 +201,7 @@ def test_what_was_used_longest_ago_goes_first_but_not_what_is_held(
         entry.path.write_bytes(bytes(1000))
     for k in (4, 0, 2, 1, 3):  # from the oldest to the newest
         os.utime(entries[k].path, (1000.0 + k if k == 4 else 2000.0 + k, 1.0))
-    holding = "from holonom.trace.cache import Entry\nEntry('k4', '0004')._hold()\nprint(flush=True)\ninput()"
+    holding = "from holonom.trace.code.cache import Entry\nEntry('k4', '0004')._hold()\nprint(flush=True)\ninput()"
     command = [sys.executable, "-c", holding]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE) as holder:
         assert holder.stdin

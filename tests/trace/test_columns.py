@@ -74,8 +74,8 @@ def _first(shared, own):
 @pytest.mark.parametrize("lanes", [2, 4, 8, 16])
 def test_long_lines_of_every_machine(lanes, monkeypatch):
     """A line that is called long from its first operation on, and columns, in vectors of every length."""
-    monkeypatch.setattr("holonom.trace.emit.lanes_at_once", lambda operations: lanes)
-    monkeypatch.setattr("holonom.trace.emit.LONG", 0)
+    monkeypatch.setattr("holonom.trace.text.emit.lanes_at_once", lambda operations: lanes)
+    monkeypatch.setattr("holonom.trace.text.emit.LONG", 0)
     a, b = _inputs(2 * lanes + 1, 7)
     expected = [_written_out(*x) for x in zip(a.tolist(), b.tolist(), strict=True)]
     for kernel in _kernels(7):

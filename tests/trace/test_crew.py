@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from holonom import trace
-from holonom.trace.crew import LOOKS, PIECES, WHOLE, Crew, run
+from holonom.trace.call.crew import LOOKS, PIECES, WHOLE, Crew, run
 
 
 @pytest.fixture(scope="module")

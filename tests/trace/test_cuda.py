@@ -66,8 +66,8 @@ except ShapeError as error:
 
 def test_dynamics_of_an_arm(tmp_path):
     code = """
-from holonom.mechanics.equations import newton_euler
-from holonom.mechanics.kernels import bodies_of
+from holonom.mechanics.equations.dynamics import newton_euler
+from holonom.mechanics.kernels.table import bodies_of
 arm = load_arm("puma560")
 x = np.random.default_rng(1).uniform(-2.0, 2.0, (3, 6, 3))
 bad, (tau,) = run(arm.kernel("inverse_dynamics"), *x)

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from holonom import trace
 from holonom.errors import UnknownName
 from holonom.trace.derivative import along, jacobian, operations
-from holonom.trace.graph import Graph, Scalar
-from holonom.trace.line import operand, straight_line
+from holonom.trace.line.graph import Graph, Scalar
+from holonom.trace.line.straight import operand, straight_line
 
 OPERATIONS = {
     "+": lambda a, b: a + b,

@@ -13,9 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from holonom import trace
-from holonom.trace.generated import load_module
-from holonom.trace.graph import Graph, Scalar, live_nodes
-from holonom.trace.line import operand, straight_line
+from holonom.trace.line.graph import Graph, Scalar, live_nodes
+from holonom.trace.line.straight import operand, straight_line
+from holonom.trace.text.generated import load_module
 
 
 @pytest.fixture

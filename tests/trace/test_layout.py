@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from holonom.trace import layout
+from holonom.trace.call import layout
 
 WRONG = ("TYPE", "SIZE", "ITEMS", "DATA", "NDIM", "SHAPE", "STRIDES", "KIND", "FLAGS", "BYTE_ORDER", "TYPE_NUMBER")
 
@@ -35,7 +35,7 @@ def test_where_numpy_says_otherwise_all_goes_the_general_way():
         "if sys.argv[1] == 'other':\n"
         "    import ctypes\n"
         "    real, ctypes.string_at = ctypes.string_at, lambda *place: b'other'\n"
-        "    import holonom.trace.layout\n"
+        "    import holonom.trace.call.layout\n"
         "    ctypes.string_at = real\n"
         "import holonom as hm\n"
         "arm, q = hm.load_arm('puma560'), np.linspace(0.1, 0.6, 6)\n"

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from numba import float64, types
 
-from holonom.trace import simd
-from holonom.trace.loops import _identity, callback, loop
-from holonom.trace.sources import stamp
+from holonom.trace.code import simd
+from holonom.trace.code.loops import _identity, callback, loop
+from holonom.trace.code.sources import stamp
 
 
 @pytest.fixture(autouse=True)
@@ -78,7 +78,7 @@ def test_tuples_of_one_name_are_told_apart_by_their_fields():
 
 
 def test_a_type_of_ours_brings_the_text_of_its_operators():
-    text = stamp("holonom.trace.simd", simd.__file__)
+    text = stamp("holonom.trace.code.simd", simd.__file__)
     assert text
     assert text in _identity(types.UniTuple(simd.pack, 2))
     assert text not in _identity(types.UniTuple(types.float64, 2))

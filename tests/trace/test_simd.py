@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from numba.core.errors import TypingError
 
-from holonom.trace.compiled import arctan, select, sincos_half_turn
-from holonom.trace.loops import loop
-from holonom.trace.simd import any_of, chosen, largest, load, packed, spread, store, total
+from holonom.trace.code.compiled import arctan, select, sincos_half_turn
+from holonom.trace.code.loops import loop
+from holonom.trace.code.simd import any_of, chosen, largest, load, packed, spread, store, total
 
 RECORD = np.dtype(
     [("a", np.float64, (4,)), ("count", np.int64, (4,)), ("part", [("b", np.float64, (4,))]), ("c", np.float64, (4,))]

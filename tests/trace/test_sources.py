@@ -18,14 +18,14 @@ import pytest
 
 import holonom
 from holonom import trace
-from holonom.trace.bytecode import runs
-from holonom.trace.emit import emit_block, emit_made, emit_pointer
-from holonom.trace.generated import load_module
-from holonom.trace.sources import imports, sources, stamp_of_text
+from holonom.trace.code.bytecode import runs
+from holonom.trace.code.sources import imports, sources, stamp_of_text
+from holonom.trace.text.emit import emit_block, emit_made, emit_pointer
+from holonom.trace.text.generated import load_module
 
 ROOT = Path(holonom.__file__).parent
 FILES = sorted(ROOT.rglob("*.py"))
-OWN_LOOPS = ("trace/loops.py", "trace/cuda.py")
+OWN_LOOPS = ("trace/code/loops.py", "trace/cuda.py")
 """What wraps Numba's decorator, and what compiles for another machine."""
 
 
@@ -41,7 +41,7 @@ def test_the_decorator_is_the_only_way_to_machine_code():
     for file in FILES:
         if file.relative_to(ROOT).as_posix() not in OWN_LOOPS:
             found = re.findall(r"\bn?jit\b|\bcfunc\b|\bvectorize\b|cache=True", file.read_text("utf-8"))
-            assert not found, f"{file}: {found}; compile with holonom.trace.loops.loop or callback"
+            assert not found, f"{file}: {found}; compile with holonom.trace.code.loops.loop or callback"
     assert len(COMPILED) > 20
 
 
@@ -132,7 +132,7 @@ def test_what_generated_functions_lead_to_changes_their_stamp():
         known = {found for name in imports(text, "") for found, _ in known_sources(name)}
         functions = [value for value in vars(module).values() if hasattr(value, "__module__") or callable(value)]
         assert check(functions, known) > 5
-        assert {"holonom.trace.lower", "holonom.trace.elementary", "holonom.trace.transpose"} <= known
+        assert {"holonom.trace.code.lower", "holonom.trace.line.elementary", "holonom.trace.code.transpose"} <= known
         assert module.__dict__["__stamp__"] == stamp_of_text(text) != stamp_of_text(text + "\n")
 
 
@@ -143,11 +143,11 @@ def known_sources(name: str) -> tuple[tuple[str, str], ...]:
 
 def test_own_packages_and_what_lies_beside_a_script_are_followed(tmp_path: Path):
     texts = {"mine/__init__.py": "", "mine/a.py": "from mine import b\nimport numpy", "mine/b.py": "from .c import f"}
-    texts |= {"mine/c.py": "from holonom.trace.remainder import back", "script.py": "import mine.b, numba"}
+    texts |= {"mine/c.py": "from holonom.trace.code.remainder import back", "script.py": "import mine.b, numba"}
     for name, text in texts.items():
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text(text)
-    below = {"mine.b", "mine.c", "holonom.trace.remainder"}
+    below = {"mine.b", "mine.c", "holonom.trace.code.remainder"}
     found = {name for name, _ in sources("mine.a", str(tmp_path / "mine/a.py"))}
     assert below | {"mine.a", "mine"} <= found
     assert "numpy" not in found

@@ -14,7 +14,7 @@ def _equation(a, b):
 @pytest.mark.parametrize("widths", [(1, 3), (5, 4), (7, 2)])
 def test_rows_in_vectors_of_every_machine(lanes, widths, monkeypatch):
     """ARM and SSE have two doubles in a register, AVX four, AVX-512 eight; a vector fills one register or two."""
-    monkeypatch.setattr("holonom.trace.emit.lanes_at_once", lambda operations: lanes)
+    monkeypatch.setattr("holonom.trace.text.emit.lanes_at_once", lambda operations: lanes)
     m, n = widths
     kernel = compile(_equation, {"a": m, "b": n}, {"y": n, "k": m + 1}, name="transpose", integers=("k",))
     rng = np.random.default_rng(3)

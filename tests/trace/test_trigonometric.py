@@ -4,7 +4,7 @@ import pytest
 
 from holonom.errors import InputError
 from holonom.trace import Graph, cos, sin, sqrt
-from holonom.trace.trigonometric import multiplied_out
+from holonom.trace.line.trigonometric import multiplied_out
 
 VARIABLES = [("q", 0), ("q", 1), ("m", 0)]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from holonom.app.answer import Answer
+from holonom.app.console.answer import Answer
 from holonom.errors import InputError
 
 __all__ = ["check_file", "check_program"]

@@ -9,21 +9,21 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from holonom.app.answer import Answer
 from holonom.app.cell import load_cell
-from holonom.app.cell.build import build_job, refuse_unsimulated
-from holonom.app.interrupts import Interrupted, Interrupts
+from holonom.app.cell.build.job import build_job, refuse_unsimulated
+from holonom.app.console.answer import Answer
+from holonom.app.console.interrupts import Interrupted, Interrupts
+from holonom.app.console.output import RECORDING, REPORT, SUMMARY, RunFolder
+from holonom.app.console.progress import Progress
 from holonom.app.job import Job
-from holonom.app.output import RECORDING, REPORT, SUMMARY, RunFolder
-from holonom.app.progress import Progress
 from holonom.app.recording import Recorder
 from holonom.app.recording.robot import base_words
 from holonom.app.report.attached import OUTCOME, ending_words
 from holonom.app.report.attachments import attachments_of
+from holonom.app.report.findings.summary import summary_of
+from holonom.app.report.findings.told import told
 from holonom.app.report.reporting import report_html
 from holonom.app.report.source import source_of
-from holonom.app.report.summary import summary_of
-from holonom.app.report.told import told
 from holonom.app.rig import Ended, Ending, Rig, simulated
 from holonom.control import CONTROLLERS
 from holonom.errors import ProgramError

@@ -9,8 +9,8 @@ from holonom.devices.drive_signals import JointSignals
 from holonom.machine.arm.kernels import STOP, servo_step
 from holonom.machine.arm.records import ServoTiming
 from holonom.sim.arm.kernels import arm_step, compare, sense
-from holonom.trace.borrow import borrowed
-from holonom.trace.loops import loop
+from holonom.trace.call.borrow import borrowed
+from holonom.trace.code.loops import loop
 
 __all__ = ["run_reference"]
 

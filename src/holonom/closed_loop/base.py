@@ -17,14 +17,14 @@ from holonom.machine.base.kernels import DONE, RUNNING, STOPPED
 from holonom.machine.base.paths import ReferencePath
 from holonom.machine.base.records import CONTROL_SAMPLE, SEEN_WHEEL_SAMPLE
 from holonom.machine.base.settings import BaseSettings, Creep
-from holonom.mobile.base import WheelBase
+from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.base_drive import BaseDrive
 from holonom.signals import Event
 from holonom.sim.base.floor import Floor
 from holonom.sim.base.plant import TICK, BaseFault, BasePlant
 from holonom.sim.base.records import BODY_SAMPLE, WHEEL_SAMPLE
+from holonom.trace.code.simd import WIDTH
 from holonom.trace.real import whole_number
-from holonom.trace.simd import WIDTH
 
 __all__ = ["BaseLoop", "DrivenPart", "simulate_base"]
 

@@ -18,8 +18,8 @@ from holonom.machine.base.kernels import RUNNING, control_step, path_ending, say
 from holonom.machine.base.params import BaseParams, BaseTask, Work
 from holonom.sim.base.log_kernels import log_body, log_wheels
 from holonom.sim.base.step_kernels import BasePlantParams, advance
-from holonom.trace.borrow import borrowed
-from holonom.trace.loops import loop
+from holonom.trace.call.borrow import borrowed
+from holonom.trace.code.loops import loop
 
 __all__ = ["LogBuffer", "joined", "run_logged", "run_ticks"]
 

@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.trace.compiled import select, sincos
-from holonom.trace.loops import loop
+from holonom.trace.code.compiled import select, sincos
+from holonom.trace.code.loops import loop
 
 __all__ = [
     "JAMMED",

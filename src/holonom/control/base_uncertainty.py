@@ -16,7 +16,7 @@ from holonom.control.uncertainty_kernels import (
     uncertainty_step,
 )
 from holonom.errors import OutOfLimits, ShapeError
-from holonom.trace.loops import loop
+from holonom.trace.code.loops import loop
 
 __all__ = ["PoseUncertainty", "UncertaintySettings", "covariance_along"]
 

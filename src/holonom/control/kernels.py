@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from holonom.trace.loops import loop
+from holonom.trace.code.loops import loop
 
 __all__ = [
     "AccelerationParams",

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.control.base_kernels import Planar
-from holonom.trace.loops import loop
+from holonom.trace.code.loops import loop
 
 __all__ = ["AxisShape", "ShapingParams", "drivable_twist", "shaping_step"]
 

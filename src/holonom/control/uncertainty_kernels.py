@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.control.base_kernels import Planar
-from holonom.trace.compiled import sincos
-from holonom.trace.loops import loop
+from holonom.trace.code.compiled import sincos
+from holonom.trace.code.loops import loop
 
 __all__ = ["CONSTANTS", "UncertaintyParams", "pose_covariance", "start_uncertainty", "uncertainty_step"]
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from holonom.trace.compiled import select
-from holonom.trace.loops import loop
+from holonom.trace.code.compiled import select
+from holonom.trace.code.loops import loop
 
 __all__ = [
     "COUNTER_SIZE",

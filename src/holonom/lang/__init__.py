@@ -13,18 +13,18 @@ Tables of the language
     `ARPS_WORDS` lists every word with its help.
 """
 
-from holonom.lang.compiler import compile_program, load_program
+from holonom.lang.compiler.compiler import compile_program, load_program
+from holonom.lang.compiler.syntax import WORDS
 from holonom.lang.diagnostics import Diagnostic
-from holonom.lang.formats import FORMATS
-from holonom.lang.functions import FEATURES, FUNCTIONS
-from holonom.lang.instructions import INSTRUCTIONS
 from holonom.lang.locations import read_locations
 from holonom.lang.machine import Configuration, Machine, Motion, Part
 from holonom.lang.program import Program
-from holonom.lang.state import Status, VmState
-from holonom.lang.syntax import WORDS
-from holonom.lang.vm import proceed, start, step
-from holonom.lang.words import ARPS_WORDS
+from holonom.lang.vm.formats import FORMATS
+from holonom.lang.vm.state import Status, VmState
+from holonom.lang.vm.vm import proceed, start, step
+from holonom.lang.words.functions import FEATURES, FUNCTIONS
+from holonom.lang.words.instructions import INSTRUCTIONS
+from holonom.lang.words.table import ARPS_WORDS
 
 __all__ = [
     "ARPS_WORDS",

@@ -12,10 +12,10 @@ import re
 
 from holonom.errors import ProgramError
 from holonom.lang import poses
+from holonom.lang.compiler.syntax import WORDS
 from holonom.lang.diagnostics import Diagnostic, Span
-from holonom.lang.functions import FUNCTIONS
 from holonom.lang.machine import Array
-from holonom.lang.syntax import WORDS
+from holonom.lang.words.functions import FUNCTIONS
 
 __all__ = ["read_locations", "split_name"]
 

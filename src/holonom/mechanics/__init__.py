@@ -21,8 +21,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from holonom.mechanics.arm import Arm, IkCase, IkNearest, IkResult, IkStatus, Limits
-from holonom.mechanics.load import arm_from_dh, load_arm
+from holonom.mechanics.arm.arm import Arm, IkCase, IkNearest, IkResult, IkStatus, Limits
+from holonom.mechanics.arm.load import arm_from_dh, load_arm
 
 if TYPE_CHECKING:
     from holonom.mechanics import (
@@ -33,10 +33,10 @@ if TYPE_CHECKING:
         motion,
         numerical_inverse,
         paths,
-        simulate,
-        symbolic,
         velocity,
     )
+    from holonom.mechanics.simulate import simulate
+    from holonom.mechanics.symbolic import formulas as symbolic
 
 _MODULES = (
     "analysis",

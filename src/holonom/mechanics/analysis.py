@@ -13,9 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import OutOfLimits, ShapeError
-from holonom.mechanics import svd
-from holonom.mechanics.arm import Arm
-from holonom.mechanics.decomposition_kernels import (
+from holonom.mechanics.arm.arm import Arm
+from holonom.mechanics.equations.vectors import Vector, add, cross, matvec
+from holonom.mechanics.kernels.results import Ellipsoid, Singularity
+from holonom.mechanics.kernels.singularities import NAMED, measures_of, rows_of
+from holonom.mechanics.loops.decomposition import (
     LOST,
     Prepared,
     ellipsoid_at,
@@ -25,9 +27,7 @@ from holonom.mechanics.decomposition_kernels import (
     singular_values_at,
     singularities_at,
 )
-from holonom.mechanics.equations.vectors import Vector, add, cross, matvec
-from holonom.mechanics.results import Ellipsoid, Singularity
-from holonom.mechanics.singularity_kernels import NAMED, measures_of, rows_of
+from holonom.numeric import svd
 from holonom.trace import Number, compile, real_array
 
 __all__ = [

@@ -10,10 +10,15 @@ import dataclasses
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from holonom.mechanics.arm import Arm
-from holonom.mechanics.equations.inertia import fixed_to_body
-from holonom.mechanics.kernels import bodies_of
-from holonom.mechanics.results import CouplingTable, Energy, ForwardDynamicsDerivatives, InverseDynamicsDerivatives
+from holonom.mechanics.arm.arm import Arm
+from holonom.mechanics.equations.dynamics.inertia import fixed_to_body
+from holonom.mechanics.kernels.results import (
+    CouplingTable,
+    Energy,
+    ForwardDynamicsDerivatives,
+    InverseDynamicsDerivatives,
+)
+from holonom.mechanics.kernels.table import bodies_of
 from holonom.model import Body
 from holonom.model.arm import Rotors
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from holonom.mechanics.arm import Arm
-from holonom.mechanics.results import AnalyticJacobian
+from holonom.mechanics.arm.arm import Arm
+from holonom.mechanics.kernels.results import AnalyticJacobian
 
 __all__ = ["AnalyticJacobian", "acceleration_bias", "analytic_jacobian", "jacobian_hessian", "jacobian_rate"]
 

@@ -13,16 +13,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError, UnknownName
-from holonom.mechanics.arm import Arm
+from holonom.mechanics.arm.arm import Arm
+from holonom.mechanics.arm.nearest import joint_vectors
 from holonom.mechanics.equations.criteria import CRITERIA, Criterion
-from holonom.mechanics.nearest import joint_vectors
-from holonom.mechanics.pose_kernels import multipliers_kernel
+from holonom.mechanics.kernels.pose import multipliers_kernel
 from holonom.model import ArmModel
 from holonom.spatial import check_pose
 from holonom.trace import check_threads, real_array, share
 
 if TYPE_CHECKING:
-    from holonom.mechanics.solver_kernels import Chain, Search
+    from holonom.mechanics.loops.solver import Chain, Search
 
 __all__ = ["InverseResult", "InverseSolver", "InverseStatus", "inverse_solver", "solve_inverse"]
 
@@ -219,7 +219,7 @@ class InverseSolver:
 
 @functools.cache
 def _solve_one() -> Callable[..., int]:
-    from holonom.mechanics.solver_kernels import solve_one  # compiled when it is first asked for
+    from holonom.mechanics.loops.solver import solve_one  # compiled when it is first asked for
 
     return solve_one
 
@@ -255,7 +255,7 @@ def inverse_solver(
 
 
 def _run(chain: Chain, search: Search, goals: Array, starts: Array, wanted: Array, threads: int) -> InverseResult:
-    from holonom.mechanics.solver_kernels import solve_rows
+    from holonom.mechanics.loops.solver import solve_rows
 
     count, n = goals.shape[0], chain.lower.shape[0]
     inputs = goals.reshape(-1), starts.reshape(-1), wanted.reshape(-1)
@@ -287,7 +287,7 @@ def _goals(T: ArrayLike) -> tuple[Array, tuple[int, ...]]:
 
 
 def _chain(arm: Arm, limits: bool) -> Chain:
-    from holonom.mechanics.solver_kernels import Chain
+    from holonom.mechanics.loops.solver import Chain
 
     bounds, n = arm.limits, arm.n
     for name, lower, upper in zip(bounds.names, bounds.lower, bounds.upper, strict=True):
@@ -350,7 +350,7 @@ def _search(
     frame: str | None,
     criterion: str | Criterion | None,
 ) -> Search:
-    from holonom.mechanics.solver_kernels import Search
+    from holonom.mechanics.loops.solver import Search
 
     w, exact = _weights(weights, frame), weights is not None
     rows = np.concatenate([w[:3] / _reach(arm.model), w[3:]])

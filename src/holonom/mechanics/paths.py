@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import InputError, ShapeError
-from holonom.mechanics.arm import Arm, IkResult, IkStatus
-from holonom.mechanics.inverse_geometry import LIMIT_TOLERANCE, REACHED, pose_error
-from holonom.mechanics.nearest import joint_vectors
+from holonom.mechanics.arm.arm import Arm, IkResult, IkStatus
+from holonom.mechanics.arm.nearest import joint_vectors
+from holonom.mechanics.kernels.inverse_geometry import LIMIT_TOLERANCE, REACHED, pose_error
 
 __all__ = ["BranchPath", "feasible_branches", "follow"]
 

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import InputError, ShapeError
-from holonom.mechanics.arm import Arm
-from holonom.mechanics.decomposition_kernels import Prepared, plan_of
-from holonom.mechanics.nearest import joint_vectors
-from holonom.mechanics.velocity_kernels import AUTO, rates_of_one, rates_of_rows
+from holonom.mechanics.arm.arm import Arm
+from holonom.mechanics.arm.nearest import joint_vectors
+from holonom.mechanics.loops.decomposition import Prepared, plan_of
+from holonom.mechanics.loops.velocity import AUTO, rates_of_one, rates_of_rows
 from holonom.spatial import check_pose
 from holonom.trace import real_array
 

@@ -36,9 +36,17 @@ from holonom.mobile.arrangements import (
     synchro,
     tricycle,
 )
-from holonom.mobile.base import WheelBase
-from holonom.mobile.castors import CastorRates, castor_rates
-from holonom.mobile.centre import Centre, axle_miss, centre_of_axles, centre_of_twist
+from holonom.mobile.base.castors import CastorRates, castor_rates
+from holonom.mobile.base.centre import Centre, axle_miss, centre_of_axles, centre_of_twist
+from holonom.mobile.base.mobility import (
+    Mobility,
+    conflicting_wheels,
+    degrees_of_freedom,
+    is_holonomic,
+    mobility,
+)
+from holonom.mobile.base.wheel import KINDS, Wheel
+from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.base_drive import BaseDrive, BaseSensors
 from holonom.mobile.drive.coupling import (
     Coupling,
@@ -72,13 +80,6 @@ from holonom.mobile.drive.limits import DriveLimits, drive_limits
 from holonom.mobile.drive.patterns import PatternParts, copper_loss, idle_patterns, readable_patterns, split_pattern
 from holonom.mobile.drive.slip import SlipReport, SlipSettings, SlipStatus, detect_slip, separable_wheels
 from holonom.mobile.methods import ARRANGEMENTS, LOCALISERS, SLIP_DETECTORS, arrangement
-from holonom.mobile.mobility import (
-    Mobility,
-    conflicting_wheels,
-    degrees_of_freedom,
-    is_holonomic,
-    mobility,
-)
 from holonom.mobile.stability import (
     acceleration_limit,
     contact_points,
@@ -90,7 +91,6 @@ from holonom.mobile.stability import (
     wheel_loads,
     zero_moment_point,
 )
-from holonom.mobile.wheel import KINDS, Wheel
 
 __all__ = [
     "ARRANGEMENTS",

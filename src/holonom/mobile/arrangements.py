@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError
-from holonom.mobile.base import WheelBase
+from holonom.mobile.base.wheel import Wheel
+from holonom.mobile.base.wheel_base import WheelBase
+from holonom.mobile.base.wheel_set import positive
 from holonom.mobile.evaluation import finite, samples
-from holonom.mobile.wheel import Wheel
-from holonom.mobile.wheel_set import positive
 
 __all__ = [
     "Body", "ackermann", "ackermann_steering", "differential", "mecanum", "omni",

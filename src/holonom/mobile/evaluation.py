@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import ShapeError
 from holonom.trace import Kernel, check_threads, compile
-from holonom.trace.arrays import ArrayEquation, on_arrays
+from holonom.trace.line.arrays import ArrayEquation, on_arrays
 
 __all__ = ["BaseEquation", "finite", "is_finite", "is_number", "numbers", "product", "samples", "shown", "written"]
 

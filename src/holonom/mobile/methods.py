@@ -10,7 +10,7 @@ from typing import Any
 
 from holonom.errors import ModelError
 from holonom.mobile.arrangements import ackermann, differential, mecanum, omni, sphere, swerve, synchro, tricycle
-from holonom.mobile.base import WheelBase
+from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.slip import SlipSettings
 from holonom.mobile.odometry.integrate import RULES, integrate
 from holonom.registry import OWN, Method, Table, parameter

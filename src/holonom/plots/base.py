@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import ModelError, ShapeError
-from holonom.mobile.base import WheelBase
-from holonom.mobile.centre import centre_of_twist
+from holonom.mobile.base.centre import centre_of_twist
+from holonom.mobile.base.wheel import Wheel
+from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.evaluation import samples
 from holonom.mobile.stability import contact_points, support_polygon
-from holonom.mobile.wheel import Wheel
 from holonom.plots.figure import COLORS, new_figure, saved
 
 if TYPE_CHECKING:

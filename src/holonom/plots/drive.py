@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import InputError, ShapeError
-from holonom.mobile.base import WheelBase
+from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.coupling import Coupling, coupling_of
 from holonom.mobile.drive.envelopes import Envelope, Limit, effective_motors
 from holonom.mobile.drive.slip import SlipReport, SlipStatus

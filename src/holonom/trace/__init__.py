@@ -10,22 +10,25 @@
 `cache_folder`    where machine code lies; `cache_use`, `empty_cache`
 ================  =======================================================================
 
-Inside, in the order in which an equation goes through them:
+Inside, in the order in which an equation goes through its rooms:
 
-- to a line: `functions`, `graph`, `elementary`, `line`; `lanes` lays the branches of an inverse side by side, `columns`
-  makes the like columns of a result in a loop;
-- to modules as text: `emit`, `cuda`; `generated` runs them;
-- to machine code: `lower`, with `transpose` and `remainder` for the rows of a batch; `loops` compiles, `cache` keeps it
-  by what `sources` say (and `bytecode`, Python's own);
-- to be called: `kernel`, `pointer`; `direct`, `results` and `layout` are the way past Numba's dispatch, `batch` that of
-  many rows; `crew` shares these among threads, with what is in `atomic`.
+- `line`, from an equation to a straight line: `functions`, `graph`, `elementary`, `straight`; `lanes` lays the branches
+  of an inverse side by side, `columns` makes the like columns of a result in a loop; `trigonometric` multiplies
+  equations out into formulas, `arrays` runs them on NumPy arrays;
+- `text`, to modules: `emit`; `generated` runs them;
+- `code`, to machine code: `lower`, with `transpose` and `remainder` for the rows of a batch; `loops` compiles, `cache`
+  keeps it by what `sources` say (and `bytecode`, Python's own);
+- `call`: `pointer`; `direct`, `results` and `layout` are the way past Numba's dispatch, `batch` that of many rows;
+  `crew` shares these among threads, with what is in `atomic`; `borrow` and `records` are for loops of steps.
 
-Loops written by hand begin with `@loop` of `loops`; for them there are `compiled` (elementary functions) and `simd`
-(four numbers as one); `trigonometric` multiplies equations out into formulas, `arrays` runs them on NumPy arrays.
+Loops written by hand begin with `@loop` of `code.loops`; for them there are `code.compiled` (elementary functions) and
+`code.simd` (four numbers as one).
 """
 
-from holonom.trace.cache import CacheUse, cache_folder, cache_use, empty_cache
-from holonom.trace.functions import (
+from holonom.trace.call.threads import check_threads, share
+from holonom.trace.code.cache import CacheUse, cache_folder, cache_use, empty_cache
+from holonom.trace.kernel import Kernel, compile
+from holonom.trace.line.functions import (
     absolute,
     atan2,
     cos,
@@ -37,10 +40,8 @@ from holonom.trace.functions import (
     sin,
     sqrt,
 )
-from holonom.trace.graph import Condition, Graph, Number, Scalar
-from holonom.trace.kernel import Kernel, compile
+from holonom.trace.line.graph import Condition, Graph, Number, Scalar
 from holonom.trace.real import real_array
-from holonom.trace.threads import check_threads, share
 
 __all__ = [
     "CacheUse",

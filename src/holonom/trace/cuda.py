@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from holonom.errors import RunError, ShapeError
-from holonom.trace.columns import Columns
-from holonom.trace.generated import load_module
 from holonom.trace.kernel import Kernel
-from holonom.trace.line import Field, Results, stores
+from holonom.trace.line.columns import Columns
+from holonom.trace.line.straight import Field, Results, stores
+from holonom.trace.text.generated import load_module
 
 __all__ = ["cuda_rows", "emit_cuda", "launch"]
 

@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Literal
 
 from holonom.errors import UnknownName
-from holonom.trace.functions import cos, less, select, sin
-from holonom.trace.graph import Condition, Graph, Number, Scalar, live_nodes
+from holonom.trace.line.functions import cos, less, select, sin
+from holonom.trace.line.graph import Condition, Graph, Number, Scalar, live_nodes
 
 __all__ = ["along", "jacobian", "operations"]
 

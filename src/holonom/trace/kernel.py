@@ -12,17 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.errors import InputError, ShapeError
-from holonom.trace.columns import Columns, columns_of
-from holonom.trace.emit import TAKEN, Parts, emit_block, emit_made, emit_pointer, emit_single
-from holonom.trace.generated import load_module
-from holonom.trace.graph import Graph, Scalar
-from holonom.trace.lanes import lanes_of
-from holonom.trace.line import Field, operand, straight_line
+from holonom.trace.call.threads import check_threads
+from holonom.trace.line.columns import Columns, columns_of
+from holonom.trace.line.graph import Graph, Scalar
+from holonom.trace.line.lanes import lanes_of
+from holonom.trace.line.straight import Field, operand, straight_line
 from holonom.trace.real import real_array
-from holonom.trace.threads import check_threads
+from holonom.trace.text.emit import TAKEN, Parts, emit_block, emit_made, emit_pointer, emit_single
+from holonom.trace.text.generated import load_module
 
 if TYPE_CHECKING:
-    from holonom.trace.batch import Batch
+    from holonom.trace.call.batch import Batch
 
 __all__ = ["Kernel", "compile"]
 
@@ -173,7 +173,7 @@ class Kernel:
 
     @functools.cached_property
     def _batch(self) -> Batch:
-        from holonom.trace.batch import Batch  # heavy, and not needed for what is read only
+        from holonom.trace.call.batch import Batch  # heavy, and not needed for what is read only
 
         likes = [np.empty((1, *f.shape), np.int8 if f.integer else np.float64) for f in (*self.inputs, *self.outputs)]
         return Batch(self.rows, len(self.inputs), tuple(likes), WORTH // max(self.operations, 1) + 1)

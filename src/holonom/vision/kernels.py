@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.trace.loops import loop
+from holonom.trace.code.loops import loop
 
 __all__ = ["closed_path"]
 

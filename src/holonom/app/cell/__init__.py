@@ -9,7 +9,7 @@
 """
 
 from holonom.app.cell.load import load_cell, place_in
-from holonom.app.cell.model import Cell
+from holonom.app.cell.model.cell import Cell
 from holonom.app.cell.schema import cell_schema
 
 __all__ = ["Cell", "cell_schema", "load_cell", "place_in"]

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from holonom.app.answer import Answer
-from holonom.app.cell.base_use import path_use, path_warnings
-from holonom.app.cell.build import build_job
+from holonom.app.cell.build.base_use import path_use, path_warnings
+from holonom.app.cell.build.job import build_job
 from holonom.app.cell.load import load_cell
 from holonom.app.cell.rehearse import rehearse
+from holonom.app.console.answer import Answer
 from holonom.app.job import ArmJob, BaseJob, Job
 from holonom.errors import InputError, ProgramError
 

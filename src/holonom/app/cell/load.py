@@ -6,10 +6,10 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from holonom.app.cell.model import Cell
-from holonom.app.cell.short import Misplaced, Written, written_out
-from holonom.app.toml_faults import line_of, parse_toml, worded_faults, written_key
-from holonom.app.toml_lines import key_lines
+from holonom.app.cell.model.cell import Cell
+from holonom.app.cell.model.short import Misplaced, Written, written_out
+from holonom.app.fields.toml_faults import line_of, parse_toml, worded_faults, written_key
+from holonom.app.fields.toml_lines import key_lines
 from holonom.errors import CellError
 
 __all__ = ["load_cell", "place_in"]

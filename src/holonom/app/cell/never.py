@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from holonom.app.cell.load import place_in
-from holonom.app.cell.model import Cell
+from holonom.app.cell.model.cell import Cell
+from holonom.app.cell.model.robot import Robot
 from holonom.app.cell.rehearse import switches_signals
-from holonom.app.cell.robot import Robot
 from holonom.app.job import ArmJob, BaseJob
 from holonom.errors import CellError
 

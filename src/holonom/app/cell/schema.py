@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any
 
-from holonom.app.cell.drives import ArmLimits, BaseParts, WheelDrive
-from holonom.app.cell.model import Cell
-from holonom.app.cell.robot import GripperTool
-from holonom.app.cell.sources import BodyTable, base_schema
+from holonom.app.cell.model.cell import Cell
+from holonom.app.cell.model.drives import ArmLimits, BaseParts, WheelDrive
+from holonom.app.cell.model.robot import GripperTool
+from holonom.app.cell.model.sources import BodyTable, base_schema
 from holonom.mobile.methods import ARRANGEMENTS
 from holonom.model import PRESETS
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from holonom.app.answer import Answer
-from holonom.app.options import argument, option, output, quiet, seed
+from holonom.app.console.answer import Answer
+from holonom.app.console.options import argument, option, output, quiet, seed
 from holonom.registry import OWN, Method
 
 __all__ = ["COMMAND", "Options", "run"]
@@ -25,7 +25,7 @@ class Options:
 
 def run(options: Options) -> Answer:
     """Measure; raises as `run_benchmarks` does."""
-    from holonom.app.bench import run_benchmarks
+    from holonom.app.about.bench import run_benchmarks
 
     return run_benchmarks(
         options.names, output=options.output, seed=options.seed, small=options.small, quiet=options.quiet

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import MISSING, dataclass
 from pathlib import Path
 
-from holonom.app.answer import Answer
-from holonom.app.options import argument, option, output
+from holonom.app.console.answer import Answer
+from holonom.app.console.options import argument, option, output
 from holonom.registry import OWN, Method
 
 __all__ = ["COMMAND", "Options", "run"]
@@ -25,7 +25,7 @@ class Options:
 
 def run(options: Options) -> Answer:
     """Calibrate; raises as `calibrate_dynamics` does."""
-    from holonom.app.calibrate import calibrate_dynamics
+    from holonom.app.calibrate.dynamics import calibrate_dynamics
 
     friction = not options.no_friction
     return calibrate_dynamics(

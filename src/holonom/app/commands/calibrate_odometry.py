@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from holonom.app.answer import Answer
-from holonom.app.options import argument, option, output
+from holonom.app.console.answer import Answer
+from holonom.app.console.options import argument, option, output
 from holonom.registry import OWN, Method
 
 __all__ = ["COMMAND", "Options", "run"]
@@ -20,7 +20,7 @@ class Options:
 
     logs: tuple[Path, ...] = argument("OptiOdom folder, or TOML beside its CSV or MCAP", metavar="LOG|FOLDER")
     drive: str | None = option(None, "that of the logs unless given", choices="holonom.mobile.calibration:DRIVES")
-    method: str = option("least-squares", "how", choices="holonom.app.calibrate_odometry:METHODS")
+    method: str = option("least-squares", "how", choices="holonom.app.calibrate.odometry:METHODS")
     parameters: str | None = option(
         None, "of least squares; extended where the motion tells them", choices="holonom.mobile.calibration:SETS"
     )
@@ -37,7 +37,7 @@ class Options:
 
 def run(options: Options) -> Answer:
     """Calibrate; raises as `calibrate_odometry` does."""
-    from holonom.app.calibrate_odometry import calibrate_odometry
+    from holonom.app.calibrate.odometry import calibrate_odometry
 
     return calibrate_odometry(
         options.logs,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from holonom.app.answer import Answer
-from holonom.app.options import argument
+from holonom.app.console.answer import Answer
+from holonom.app.console.options import argument
 from holonom.registry import OWN, Method
 
 __all__ = ["COMMAND", "Options", "run"]

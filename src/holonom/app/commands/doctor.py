@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from holonom.app.answer import Answer
-from holonom.app.options import option
+from holonom.app.console.answer import Answer
+from holonom.app.console.options import option
 from holonom.registry import OWN, Method
 
 __all__ = ["COMMAND", "Options", "run"]
@@ -24,7 +24,7 @@ class Options:
 
 def run(options: Options) -> Answer:
     """Examine; raises as `show_kernel` does."""
-    from holonom.app import doctor
+    from holonom.app.about import doctor
 
     if options.schema:
         return doctor.schema()

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from holonom.app.answer import Answer
-from holonom.app.options import argument, option
+from holonom.app.console.answer import Answer
+from holonom.app.console.options import argument, option
 from holonom.registry import OWN, Method
 
 __all__ = ["COMMAND", "Options", "run"]
@@ -16,14 +16,17 @@ class Options:
     """Which kind, and as what."""
 
     kind: str | None = argument(
-        "kind of method; all kinds unless given", metavar="KIND", default=None, choices="holonom.app.tables:TABLES"
+        "kind of method; all kinds unless given",
+        metavar="KIND",
+        default=None,
+        choices="holonom.app.about.tables:TABLES",
     )
     markdown: bool = option(False, "all kinds as a page: holonom methods --markdown > docs/methods.md")
 
 
 def run(options: Options) -> Answer:
     """List the kinds, or the methods of one."""
-    from holonom.app import methods
+    from holonom.app.about import methods
 
     if options.markdown:
         return methods.page()

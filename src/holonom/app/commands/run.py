@@ -6,9 +6,9 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from holonom.app.answer import Answer
-from holonom.app.options import argument, output, quiet, seed
-from holonom.app.pipes import say_to
+from holonom.app.console.answer import Answer
+from holonom.app.console.options import argument, output, quiet, seed
+from holonom.app.console.pipes import say_to
 from holonom.registry import OWN, Method
 
 __all__ = ["COMMAND", "Options", "run"]

@@ -22,8 +22,8 @@ from numpy.typing import NDArray
 from zstandard import ZstdError
 
 from holonom.app.odometry_log.table import Table
-from holonom.app.recording.cdr import ENCAPSULATION, CdrReader
-from holonom.app.recording.messages import (
+from holonom.app.recording.format.cdr import ENCAPSULATION, CdrReader
+from holonom.app.recording.format.messages import (
     JointMessage,
     joint_layout,
     joint_message,
@@ -31,7 +31,7 @@ from holonom.app.recording.messages import (
     odometry_plane,
     odometry_values,
 )
-from holonom.app.recording.schemas import schema_text
+from holonom.app.recording.format.schemas import schema_text
 from holonom.errors import LogError, OutputError
 from holonom.mobile.calibration import Run, wheels_of
 

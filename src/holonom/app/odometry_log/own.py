@@ -12,7 +12,7 @@ from holonom.app.odometry_log.checks import check_motion, check_time, part_names
 from holonom.app.odometry_log.log import OdometryLog
 from holonom.app.odometry_log.table import Table
 from holonom.app.recording import CUT_OFF, Recording, read_recording
-from holonom.app.recording.pieces import read_pieces
+from holonom.app.recording.format.pieces import read_pieces
 from holonom.app.recording.robot import BaseDescription, base_of
 from holonom.errors import InputError, LogError
 from holonom.mobile.calibration import Run, drive_parameters, wheels_of

@@ -41,13 +41,13 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from holonom.app.cell_fields import OneOf
+from holonom.app.fields.quantities import OneOf
+from holonom.app.fields.toml_faults import line_of, parse_toml, worded_faults
+from holonom.app.fields.toml_lines import key_lines
 from holonom.app.odometry_log.checks import check_motion, check_time, part_names
 from holonom.app.odometry_log.log import OdometryLog
 from holonom.app.odometry_log.mcap_file import JOINTS, ODOMETRY, read_mcap_table
 from holonom.app.odometry_log.table import Table, read_table, read_text
-from holonom.app.toml_faults import line_of, parse_toml, worded_faults
-from holonom.app.toml_lines import key_lines
 from holonom.errors import CalibrationError, LogError, OutOfLimits
 from holonom.mobile.calibration import DRIVES, Run, drive_parameters, wheels_of
 from holonom.mobile.odometry import angle_per_tick, count_differences

@@ -10,9 +10,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.app.console.output import prepare_output
 from holonom.app.odometry_log.log import OdometryLog
 from holonom.app.odometry_log.mcap_file import write_mcap
-from holonom.app.output import prepare_output
 from holonom.errors import OutputError
 from holonom.mobile.calibration import Run, wheels_of
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from holonom.app.recording.decoded import Decoded, Frames
-from holonom.app.recording.heard import Messages
-from holonom.app.recording.messages import WORLD
-from holonom.app.recording.pieces import Pieces, Said, read_pieces
+from holonom.app.recording.format.decoded import Decoded, Frames
+from holonom.app.recording.format.heard import Messages
+from holonom.app.recording.format.messages import WORLD
+from holonom.app.recording.format.pieces import Pieces, Said, read_pieces
 from holonom.app.recording.recording import COMPLETE, CUT_OFF, Recording
 from holonom.app.recording.scope import bare
 from holonom.app.recording.tracks import Track

@@ -11,9 +11,9 @@ from typing import Any, Self
 from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
 from mcap.writer import CompressionType, Writer
 
-from holonom.app.recording.codecs import CODECS, Encode
-from holonom.app.recording.growing import GrowingFile
-from holonom.app.recording.schemas import schema_text
+from holonom.app.recording.format.codecs import CODECS, Encode
+from holonom.app.recording.format.growing import GrowingFile
+from holonom.app.recording.format.schemas import schema_text
 from holonom.app.recording.scope import Scope
 from holonom.errors import OutputFault, UnknownName
 from holonom.signals import TOPICS, Record, Signal, Sink, Topic

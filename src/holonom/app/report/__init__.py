@@ -19,15 +19,15 @@ Inside
     which `tools/bundle_report_assets.sh` bundles).
 """
 
-from holonom.app.report.arms import arm_shapes, gripper_shapes
-from holonom.app.report.comparison import ComparedRun, Comparison, Phase
-from holonom.app.report.curves import Curve, joint_curves
-from holonom.app.report.figures import Figures, Table
+from holonom.app.report.drawing.arms import arm_shapes, gripper_shapes
+from holonom.app.report.drawing.curves import Curve, joint_curves
+from holonom.app.report.drawing.figures import Figures, Table
+from holonom.app.report.drawing.polar import Polar, PolarLine
+from holonom.app.report.drawing.scene import Box, Disc, Label, Scene, Shape, Tube, View
+from holonom.app.report.drawing.topview import MapLine, MapMark, MapPatch, TopView
+from holonom.app.report.findings.comparison import ComparedRun, Comparison, Phase
 from holonom.app.report.page import write_report
-from holonom.app.report.polar import Polar, PolarLine
-from holonom.app.report.scene import Box, Disc, Label, Scene, Shape, Tube, View
 from holonom.app.report.sections import Detection, LimitUse, Outcome, PhotoOverlay
-from holonom.app.report.topview import MapLine, MapMark, MapPatch, TopView
 
 __all__ = [
     "Box",

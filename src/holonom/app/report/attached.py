@@ -9,9 +9,9 @@ from typing import TypeVar
 from pydantic import TypeAdapter, ValidationError
 
 from holonom.app.recording import Recording
-from holonom.app.report.facts import CellFacts, Ending
-from holonom.app.report.scene import Scene
-from holonom.app.report.scene_text import scene_of
+from holonom.app.report.drawing.scene import Scene
+from holonom.app.report.drawing.scene_text import scene_of
+from holonom.app.report.findings.facts import CellFacts, Ending
 from holonom.app.report.sections import Detection, PhotoOverlay
 from holonom.errors import InputError
 

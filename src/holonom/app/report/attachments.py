@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.app.report.attached import CELL, PHOTOGRAPH, PHOTOGRAPH_WORDS, SCENE, photograph_text, text_of
-from holonom.app.report.facts import (
+from holonom.app.report.drawing.scene_text import scene_text
+from holonom.app.report.findings.facts import (
     ArmFacts,
     BaseFacts,
     CellFacts,
@@ -22,7 +23,6 @@ from holonom.app.report.facts import (
     RobotFacts,
     Rows,
 )
-from holonom.app.report.scene_text import scene_text
 from holonom.mechanics import Arm
 from holonom.sim import Floor, RectangularPatch, RoundPatch
 

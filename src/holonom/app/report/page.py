@@ -11,13 +11,13 @@ from importlib.resources import files
 from pathlib import Path
 
 from holonom.app.recording import Recording
-from holonom.app.report.comparison import Comparison
-from holonom.app.report.curves import Curve, joint_curves
-from holonom.app.report.embed import Blob, add_curves, add_frames, replay_rate
-from holonom.app.report.figures import Figures
+from holonom.app.report.drawing.curves import Curve, joint_curves
+from holonom.app.report.drawing.embed import Blob, add_curves, add_frames, replay_rate
+from holonom.app.report.drawing.figures import Figures
+from holonom.app.report.drawing.scene import Scene
+from holonom.app.report.drawing.scene_text import scene_json
+from holonom.app.report.findings.comparison import Comparison
 from holonom.app.report.parts import CurveGroup, EventLog, LimitTable, Part, curves_of, part_html
-from holonom.app.report.scene import Scene
-from holonom.app.report.scene_text import scene_json
 from holonom.app.report.sections import LimitUse, Outcome, PhotoOverlay, facts_html, programs_html, robot_of
 from holonom.errors import OutputError
 from holonom.signals import Event

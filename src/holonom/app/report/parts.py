@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from holonom.app.report.comparison import Comparison, comparison_html
-from holonom.app.report.curves import Curve, curves_html
-from holonom.app.report.figures import Figures, figures_html
+from holonom.app.report.drawing.curves import Curve, curves_html
+from holonom.app.report.drawing.figures import Figures, figures_html
+from holonom.app.report.findings.comparison import Comparison, comparison_html
 from holonom.app.report.sections import LimitUse, PhotoOverlay, events_html, limits_html, photo_html
 from holonom.signals import Event
 

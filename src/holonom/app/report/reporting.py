@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from holonom.app.answer import Answer
-from holonom.app.output import REPORT, RunFolder
+from holonom.app.console.answer import Answer
+from holonom.app.console.output import REPORT, RunFolder
 from holonom.app.report.attached import program_of
-from holonom.app.report.base_findings import motion_of
-from holonom.app.report.headline import headline_of
+from holonom.app.report.findings.base_findings import motion_of
+from holonom.app.report.findings.headline import headline_of
+from holonom.app.report.findings.summary import GOOD, placed_parts, summary_of
+from holonom.app.report.findings.told import told
 from holonom.app.report.page import Head, page_html
 from holonom.app.report.section_table import parts_of
 from holonom.app.report.sections import Outcome
 from holonom.app.report.source import Source, source_of
-from holonom.app.report.summary import GOOD, placed_parts, summary_of
-from holonom.app.report.told import told
 
 __all__ = ["report_html", "report_recording"]
 

@@ -10,10 +10,10 @@ import numpy as np
 
 from holonom.app.recording import CUT_OFF, FrameTrack, Recording, read_robots
 from holonom.app.report.attached import cell_of, ending_of, photograph_of, recorded_scene
-from holonom.app.report.facts import CellFacts, Ending, RobotFacts
-from holonom.app.report.inferred_scene import inferred_scene
-from holonom.app.report.rebased import rebased
-from holonom.app.report.scene import Scene
+from holonom.app.report.drawing.inferred_scene import inferred_scene
+from holonom.app.report.drawing.scene import Scene
+from holonom.app.report.findings.facts import CellFacts, Ending, RobotFacts
+from holonom.app.report.findings.rebased import rebased
 from holonom.app.report.sections import PhotoOverlay
 from holonom.errors import InputError
 from holonom.signals import TOPICS, Event

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.app.job import BaseJob
-from holonom.app.wheel_frames import wheel_frames, wheel_poses
+from holonom.app.rig.wheel_frames import wheel_frames, wheel_poses
 from holonom.closed_loop.base_kernels import LogBuffer
 from holonom.control.base_uncertainty import PoseUncertainty
 from holonom.machine.base.settings import Creep

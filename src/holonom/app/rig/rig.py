@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from holonom.app.job import ArmJob, Job, Mount
 from holonom.app.recording import Recorder
-from holonom.app.report.facts import Ending as EndingFacts
+from holonom.app.report.findings.facts import Ending as EndingFacts
 from holonom.app.rig.arm import ArmRig, make_loop
 from holonom.app.rig.base import BaseRig, make_base
 from holonom.app.rig.collisions import Collisions

@@ -22,8 +22,8 @@ from holonom.control.kernels import (
 from holonom.devices.drive_signals import JointSignals
 from holonom.devices.kernels import TrackingState, count_angle, extend_counter, tracking_step
 from holonom.machine.arm.records import ServoTiming
-from holonom.trace.loops import loop
-from holonom.trace.pointer import call_kernel
+from holonom.trace.call.pointer import call_kernel
+from holonom.trace.code.loops import loop
 
 __all__ = ["CASCADE", "COMPUTED_TORQUE", "CURRENT", "STOP", "servo_step"]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from holonom.control.kernels import AccelerationParams, CurrentParams, LimitParams, PositionParams, SpeedParams
 from holonom.devices.kernels import EncoderParams, TrackingParams
-from holonom.trace.records import layout_of
+from holonom.trace.call.records import layout_of
 
 __all__ = ["SERVO", "SERVO_STATE", "Servo", "ServoTiming"]
 

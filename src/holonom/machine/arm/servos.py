@@ -32,8 +32,8 @@ from holonom.machine.levels import Levels
 from holonom.mechanics import Arm
 from holonom.mechanics.motion.trajectory import joint_vector
 from holonom.model import ArmModel, Joint
+from holonom.trace.call.records import record_table
 from holonom.trace.real import finite_array
-from holonom.trace.records import record_table
 
 __all__ = ["STEP", "ArmServos", "ControlSettings", "check_drives", "joint_friction", "joint_motor"]
 

@@ -19,14 +19,14 @@ from holonom.machine.base.params import BaseParams, BaseTask, Work
 from holonom.machine.base.records import CONTROL_STATE, KNOWN_WHEEL, SEEN_WHEEL
 from holonom.machine.base.settings import BaseSettings, Creep, slip_settings
 from holonom.machine.base.wheel_kernels import share_force
-from holonom.mobile.base import WheelBase
+from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive, base_mass, load_shares
 from holonom.mobile.drive.coupling import Coupling
 from holonom.mobile.drive.slip import SlipSettings, slip_params
 from holonom.mobile.drive.slip_kernels import BOUND, SlipParams
+from holonom.trace.call.records import aligned_records, side_by_side
+from holonom.trace.code.simd import WIDTH
 from holonom.trace.real import finite_array, real_array
-from holonom.trace.records import aligned_records, side_by_side
-from holonom.trace.simd import WIDTH
 
 __all__ = ["TICK", "BaseController"]
 

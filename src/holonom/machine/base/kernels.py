@@ -38,8 +38,8 @@ from holonom.machine.base.wheel_kernels import (
     wheel_voltage,
 )
 from holonom.mobile.drive.slip_kernels import SlipState, slip_step
-from holonom.trace.loops import loop
-from holonom.trace.simd import WIDTH, load, packed, store
+from holonom.trace.code.loops import loop
+from holonom.trace.code.simd import WIDTH, load, packed, store
 
 __all__ = ["DONE", "HOLD", "PATH", "RUNNING", "STOPPED", "VELOCITY", "control_step", "path_ending", "say"]
 

@@ -7,7 +7,7 @@ import numpy as np
 from holonom.control.kernels import SpeedParams
 from holonom.devices.kernels import ArmatureParams, EncoderParams, FrictionParams, GearParams, TrackingParams
 from holonom.mobile.drive.slip_kernels import SlipState
-from holonom.trace.records import layout_of, padded
+from holonom.trace.call.records import layout_of, padded
 
 __all__ = ["CONTROL_SAMPLE", "CONTROL_STATE", "KNOWN_WHEEL", "SEEN_WHEEL", "SEEN_WHEEL_SAMPLE"]
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from holonom.control.base_uncertainty import UncertaintySettings
 from holonom.control.path_keeping import EstimateSettings
 from holonom.machine.base.settings import Creep
-from holonom.mobile.base import WheelBase
+from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive, BaseSensors, base_mass, load_shares
 
 __all__ = ["pose_uncertainty"]

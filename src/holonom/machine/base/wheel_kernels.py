@@ -33,9 +33,9 @@ from holonom.devices.kernels import (
     tracking_step,
 )
 from holonom.mobile.drive.slip_kernels import NO_SLIP
-from holonom.trace.compiled import select
-from holonom.trace.loops import loop
-from holonom.trace.simd import WIDTH, largest, packed
+from holonom.trace.code.compiled import select
+from holonom.trace.code.loops import loop
+from holonom.trace.code.simd import WIDTH, largest, packed
 
 __all__ = [
     "control_traction",

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from holonom.mechanics.equations.forward_dynamics import solve_ldl
+from holonom.mechanics.equations.dynamics.forward_dynamics import solve_ldl
 from holonom.mechanics.equations.kinematics import frames, jacobian
 from holonom.mechanics.equations.vectors import (
     Matrix,

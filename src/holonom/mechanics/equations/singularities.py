@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from holonom.mechanics.equations import kinematics
-from holonom.mechanics.equations.puma_geometry import PumaGeometry
+from holonom.mechanics.equations.inverse.puma_geometry import PumaGeometry
 from holonom.mechanics.equations.vectors import Matrix, Vector, add, compose, cross, dot, scale, sub
 from holonom.model import ArmModel
 from holonom.trace import Number, cos, less, select, sin, sqrt

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
-from holonom.mechanics.arm import Arm
+from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.identification.columns import column_names, regressor_of_rows, stated_columns
 from holonom.model import ArmModel
 

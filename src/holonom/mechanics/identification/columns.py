@@ -8,13 +8,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from holonom.mechanics.arm import Arm
-from holonom.mechanics.equations import regressor as equations
-from holonom.mechanics.equations.regressor import BODY_PARAMETERS, DRIVE_PARAMETERS
-from holonom.mechanics.equations.rotors import reflected_inertia
-from holonom.mechanics.kernels import bodies_of
+from holonom.mechanics.arm.arm import Arm
+from holonom.mechanics.equations.dynamics import regressor as equations
+from holonom.mechanics.equations.dynamics.regressor import BODY_PARAMETERS, DRIVE_PARAMETERS
+from holonom.mechanics.equations.dynamics.rotors import reflected_inertia
+from holonom.mechanics.kernels.table import bodies_of
 from holonom.model import ArmModel, Friction
-from holonom.trace.arrays import on_arrays
+from holonom.trace.line.arrays import on_arrays
 
 __all__ = ["column_names", "parameters", "regressor", "regressor_of_rows", "stated_columns"]
 

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
-from holonom.mechanics.equations.inertia import Inertial
-from holonom.mechanics.equations.regressor import BODY_PARAMETERS, from_parameters, to_parameters
+from holonom.mechanics.equations.dynamics.inertia import Inertial
+from holonom.mechanics.equations.dynamics.regressor import BODY_PARAMETERS, from_parameters, to_parameters
 from holonom.mechanics.identification.columns import parameters
 from holonom.model import ArmModel, Body, Friction
 

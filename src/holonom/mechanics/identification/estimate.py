@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import InputError
-from holonom.mechanics.arm import Arm
+from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.identification.base import BaseParameters, base_parameters
 from holonom.mechanics.identification.columns import parameters, regressor_of_rows, stated_columns
 from holonom.mechanics.identification.consistent import (

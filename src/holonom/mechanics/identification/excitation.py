@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.errors import InputError, OutOfLimits
-from holonom.mechanics.arm import Arm
+from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.identification.base import BaseParameters, base_parameters, motion_ranges
 from holonom.mechanics.identification.columns import regressor_of_rows
 from holonom.mechanics.motion import Trajectory

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.errors import InputError, MotionError
-from holonom.mechanics.arm import IkStatus
+from holonom.mechanics.arm.arm import IkStatus
 from holonom.mechanics.motion.course import Course, where
 from holonom.mechanics.motion.profile import GridSamples, on_grid, time_law
 from holonom.mechanics.motion.trajectory import STILL, JointLimits, Trajectory, standstill

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from holonom.devices import Accelerometer, CurrentShunt, DcMotor, Encoder, Friction, Gear, Gyro
 from holonom.errors import ModelError
-from holonom.mobile.base import WheelBase
+from holonom.mobile.base.wheel_base import WheelBase
 
 __all__ = ["GRAVITY", "BaseDrive", "BaseSensors", "base_mass", "load_shares"]
 

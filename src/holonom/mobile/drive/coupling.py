@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
-from holonom.mobile.base import WheelBase
+from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.evaluation import finite, is_finite, shown
 
 __all__ = [

@@ -17,7 +17,7 @@ import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import OutOfLimits, ShapeError
-from holonom.mobile.base import WheelBase
+from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.coupling import Coupling, Wheels, coupling_of, live_wheels
 from holonom.mobile.drive.limits import DriveLimits
 from holonom.mobile.evaluation import finite, samples

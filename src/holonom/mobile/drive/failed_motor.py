@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import optimize
 
 from holonom.errors import OutOfLimits, ShapeError, UnknownName
-from holonom.mobile.base import WheelBase
+from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.coupling import Coupling, Wheels, coupling_of, live_wheels
 from holonom.mobile.evaluation import is_finite, numbers, samples, shown
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.devices import DcMotor, Gear
 from holonom.errors import InputError, OutOfLimits, ShapeError
-from holonom.mobile.base import WheelBase
+from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.evaluation import finite, is_number, numbers, shown
 from holonom.mobile.stability import wheel_loads
 

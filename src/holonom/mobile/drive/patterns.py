@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.devices import DcMotor, Gear
 from holonom.errors import OutOfLimits, ShapeError
-from holonom.mobile.base import WheelBase
+from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.coupling import Coupling, coupling_of
 from holonom.mobile.evaluation import finite, is_finite, shown
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from holonom.devices import DcMotor, Encoder, Gear
 from holonom.errors import ModelError
-from holonom.mechanics.sized_drives import sized_motor
-from holonom.mobile.base import WheelBase
+from holonom.mechanics.arm.sized_drives import sized_motor
+from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.base_drive import BaseDrive
 
 __all__ = ["sized_base_drive"]

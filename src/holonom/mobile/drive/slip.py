@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
 from holonom.errors import ModelError, ShapeError
-from holonom.mobile.base import WheelBase
+from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.coupling import Coupling, coupling_of
 from holonom.mobile.drive.slip_kernels import (
     AMBIGUOUS,

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.trace.loops import loop
+from holonom.trace.code.loops import loop
 
 __all__ = ["AMBIGUOUS", "NO_SLIP", "SLIP", "UNDETECTABLE", "SlipParams", "SlipSample", "SlipState", "slip_samples",
            "slip_start", "slip_step"]  # fmt: skip

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from holonom.mobile.base.wheel import KINDS, Wheel
 from holonom.mobile.equations.wheels import Row, contact_velocity, unit
-from holonom.mobile.wheel import KINDS, Wheel
 from holonom.trace import Number, absolute, cos, maximum, sin
 
 __all__ = ["Axle", "Layout", "axles_at", "drag", "rolling_rows", "sliding_rows", "speed_along", "wheel_speeds"]

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from holonom.mobile.base.wheel import KINDS, Wheel
 from holonom.mobile.equations.base_models import Axle, Layout
 from holonom.mobile.equations.wheels import ROUNDING, Row, summed, unit
-from holonom.mobile.wheel import KINDS, Wheel
 from holonom.trace import Number, absolute, less, select
 
 __all__ = ["DETERMINED", "always_determined", "twist_of_speeds"]

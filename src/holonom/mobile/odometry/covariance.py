@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import OutOfLimits, ShapeError
-from holonom.mobile.base import WheelBase
+from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.odometry.integrate import increments_of, pose_of, rule_named
 from holonom.mobile.odometry.kernels import propagate_into
 

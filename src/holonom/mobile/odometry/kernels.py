@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.trace.compiled import TRIG_FLAGS, select, sincos
-from holonom.trace.loops import loop
+from holonom.trace.code.compiled import TRIG_FLAGS, select, sincos
+from holonom.trace.code.loops import loop
 
 __all__ = ["all_finite", "integrate_into", "propagate_into", "sensitivities_into"]
 

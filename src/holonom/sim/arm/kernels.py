@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from holonom.devices.drive_signals import JointSignals
 from holonom.devices.kernels import armature_step, encoder_counter, friction_torque, gear_torque
-from holonom.trace.loops import loop
-from holonom.trace.pointer import call_kernel
+from holonom.trace.call.pointer import call_kernel
+from holonom.trace.code.loops import loop
 
 __all__ = ["arm_step", "compare", "sense"]
 

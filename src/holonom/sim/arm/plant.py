@@ -16,7 +16,7 @@ from holonom.mechanics.motion.trajectory import joint_vector
 from holonom.sim.arm.kernels import sense
 from holonom.sim.arm.plant_equation import plant_kernel
 from holonom.sim.arm.records import DRIVE, DRIVE_STATE, Drive
-from holonom.trace.records import record_table
+from holonom.trace.call.records import record_table
 
 __all__ = ["STEP", "ArmPlant", "AxisDrive", "Ground"]
 

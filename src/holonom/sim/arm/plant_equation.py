@@ -5,10 +5,11 @@ Free of joint friction: friction sits at the motors (`holonom.devices`).
 
 from __future__ import annotations
 
-from holonom.mechanics.equations import forward_dynamics, kinematics
-from holonom.mechanics.equations.inertia import merged, point_mass
+from holonom.mechanics.equations import kinematics
+from holonom.mechanics.equations.dynamics import forward_dynamics
+from holonom.mechanics.equations.dynamics.inertia import merged, point_mass
 from holonom.mechanics.equations.vectors import Vector, add, dot, matvec, tvec
-from holonom.mechanics.kernels import bodies_of
+from holonom.mechanics.kernels.table import bodies_of
 from holonom.model import ArmModel
 from holonom.trace import Kernel, Number, compile, less, maximum, select
 

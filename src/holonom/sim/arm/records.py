@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from holonom.devices.kernels import ArmatureParams, EncoderParams, FrictionParams, GearParams
-from holonom.trace.records import layout_of
+from holonom.trace.call.records import layout_of
 
 __all__ = ["DRIVE", "DRIVE_STATE", "Drive"]
 

@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.devices.kernels import armature_step
-from holonom.trace.compiled import arctan, select, sincos_half_turn
-from holonom.trace.loops import loop
-from holonom.trace.simd import any_of, packed, total
+from holonom.trace.code.compiled import arctan, select, sincos_half_turn
+from holonom.trace.code.loops import loop
+from holonom.trace.code.simd import any_of, packed, total
 
 __all__ = [
     "BLOCKED",

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from holonom.devices.drive_signals import WheelSignals
 from holonom.sim.base.step_kernels import BasePlantParams, advance
-from holonom.trace.loops import loop
-from holonom.trace.simd import WIDTH, packed
+from holonom.trace.code.loops import loop
+from holonom.trace.code.simd import WIDTH, packed
 
 __all__ = ["drive_open", "log_body", "log_wheels"]
 

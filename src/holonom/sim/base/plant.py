@@ -11,18 +11,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.devices.drive_signals import WheelSignals
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
-from holonom.mobile.base import WheelBase
+from holonom.mobile.base.wheel import Wheel
+from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.base_drive import BaseDrive, BaseSensors, base_mass, load_shares
-from holonom.mobile.wheel import Wheel
 from holonom.sim.base.floor import Floor, floor_table
 from holonom.sim.base.kernels import BLOCKED, DEAD
 from holonom.sim.base.log import BaseTruth, truth_of
 from holonom.sim.base.log_kernels import drive_open
 from holonom.sim.base.records import BODY, BODY_SAMPLE, BODY_STATE, WHEEL, WHEEL_SAMPLE, WHEEL_STATE
 from holonom.sim.base.step_kernels import BasePlantParams, SensorParams, sense
+from holonom.trace.call.records import aligned_records, side_by_side
+from holonom.trace.code.simd import WIDTH
 from holonom.trace.real import finite_array, real_array, whole_number
-from holonom.trace.records import aligned_records, side_by_side
-from holonom.trace.simd import WIDTH
 
 __all__ = ["FAULTS", "SIMULATED", "TICK", "BaseFault", "BasePlant", "driven_wheels"]
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from holonom.devices.kernels import ArmatureParams, EncoderParams, FrictionParams, GearParams
 from holonom.sim.base.floor import MATERIAL
-from holonom.trace.records import layout_of, padded
-from holonom.trace.simd import WIDTH
+from holonom.trace.call.records import layout_of, padded
+from holonom.trace.code.simd import WIDTH
 
 __all__ = ["BODY", "BODY_SAMPLE", "BODY_STATE", "WHEEL", "WHEEL_SAMPLE", "WHEEL_STATE"]
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from holonom.devices.drive_signals import WheelSignals
 from holonom.devices.kernels import EncoderParams, encoder_counter
 from holonom.sim.base.kernels import break_motor, plant_steps
-from holonom.trace.compiled import sincos
-from holonom.trace.loops import loop
-from holonom.trace.simd import WIDTH, load, packed, store
+from holonom.trace.code.compiled import sincos
+from holonom.trace.code.loops import loop
+from holonom.trace.code.simd import WIDTH, load, packed, store
 
 __all__ = ["BasePlantParams", "SensorParams", "advance", "find_material", "sense"]
 

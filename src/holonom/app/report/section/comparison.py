@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from holonom.app.report.comparison import Comparison
+from holonom.app.report.findings.comparison import Comparison
+from holonom.app.report.findings.tracking import compared
 from holonom.app.report.section_table import Section
 from holonom.app.report.source import Source
-from holonom.app.report.tracking import compared
 from holonom.registry import OWN, Method
 
 __all__ = ["SECTION"]

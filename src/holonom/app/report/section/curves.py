@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from holonom.app.report.base_findings import motion_of
-from holonom.app.report.base_words import dead_since, said_of
-from holonom.app.report.curves import Curve, joint_curves
+from holonom.app.report.drawing.curves import Curve, joint_curves
+from holonom.app.report.findings.base_findings import motion_of
+from holonom.app.report.findings.base_words import dead_since, said_of
 from holonom.app.report.parts import CurveGroup
 from holonom.app.report.section_table import Section
 from holonom.app.report.source import BARE, RobotSource, Source

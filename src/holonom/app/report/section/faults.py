@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from holonom.app.report.base_findings import BaseFindings, DeadMotor, SlipEpisode, findings_of
-from holonom.app.report.figures import Figures, Table
+from holonom.app.report.drawing.figures import Figures, Table
+from holonom.app.report.findings.base_findings import BaseFindings, DeadMotor, SlipEpisode, findings_of
 from holonom.app.report.section_table import Section
 from holonom.app.report.source import RobotSource, Source
 from holonom.registry import OWN, Method

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from holonom.app.report.findings.peaks import limit_uses
 from holonom.app.report.parts import LimitTable
-from holonom.app.report.peaks import limit_uses
 from holonom.app.report.section_table import Section
 from holonom.app.report.source import Source
 from holonom.registry import OWN, Method

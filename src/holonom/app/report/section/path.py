@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from holonom.app.report.base_findings import BaseFindings, Motion, Phase, findings_of, motion_of, path_error
-from holonom.app.report.figures import Figures, Table
+from holonom.app.report.drawing.figures import Figures, Table
+from holonom.app.report.drawing.topview import MapLine, MapMark, MapPatch, TopView
+from holonom.app.report.findings.base_findings import BaseFindings, Motion, Phase, findings_of, motion_of, path_error
 from holonom.app.report.section_table import Section
 from holonom.app.report.source import BARE, RobotSource, Source
-from holonom.app.report.topview import MapLine, MapMark, MapPatch, TopView
 from holonom.registry import OWN, Method
 
 __all__ = ["SECTION"]

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.app.report.base_findings import findings_of
-from holonom.app.report.facts import BaseFacts, RobotFacts
-from holonom.app.report.figures import Figures
-from holonom.app.report.polar import Polar, PolarLine
+from holonom.app.report.drawing.figures import Figures
+from holonom.app.report.drawing.polar import Polar, PolarLine
+from holonom.app.report.findings.base_findings import findings_of
+from holonom.app.report.findings.facts import BaseFacts, RobotFacts
 from holonom.app.report.section_table import Section
 from holonom.app.report.source import RobotSource, Source
 from holonom.errors import InputError

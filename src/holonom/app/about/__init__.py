@@ -1,0 +1,3 @@
+"""What an installation has and how fast it is: `doctor`, `methods`, `bench`."""
+
+__all__: list[str] = []

@@ -1,0 +1,3 @@
+"""Parameters from recordings: of an arm's dynamics, of a base's odometry."""
+
+__all__: list[str] = []

@@ -1,0 +1,323 @@
+"""`holonom calibrate odometry`: a base's geometry from logs of its wheels and the truth."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.app.console.answer import Answer
+from holonom.app.console.output import prepare_output
+from holonom.app.odometry_log import OdometryLog, read_log, write_log
+from holonom.errors import CalibrationError, UnknownName
+from holonom.mobile.calibration import (
+    DRIVES,
+    SETS,
+    Calibration,
+    PathErrors,
+    UMBmark,
+    article,
+    calibrate,
+    dead_reckoning,
+    drive_parameters,
+    held_out_errors,
+    umbmark,
+)
+
+__all__ = ["FILE", "METHODS", "PICTURE", "TOPICS", "calibrate_odometry"]
+
+Array = NDArray[np.float64]
+
+METHODS = ("least-squares", "umbmark")
+FILE, PICTURE = "odometry.json", "odometry.png"
+ASTRAY = 0.05  # share of its way by which a calibrated run may miss the truth without a note
+TOPICS = ("/odom_nominal", "/odom_calibrated")
+DRAWN = 12  # runs in the picture, the first ones
+
+
+def calibrate_odometry(
+    paths: Sequence[Path],
+    *,
+    drive: str | None = None,
+    method: str = "least-squares",
+    parameters: str | None = None,
+    form: str | None = None,
+    rule: str = "midpoint",
+    held_out: bool = False,
+    limits: Sequence[float] | None = None,
+    allow_gaps: bool = False,
+    mcap: bool = False,
+    output: Path | None = None,
+) -> Answer:
+    """Calibrate the odometry of a base from logs.
+
+    Parameters
+    ----------
+    paths : as `odometry_log.read_log` takes them.
+    drive : a key of `DRIVES`; that of the logs unless given.
+    method : one of `METHODS`.
+    parameters : for least squares, one of `SETS`; unless given the extended set where the motion tells it.
+    form : of UMBmark: "x", "y" or "mean"; "x" unless given.
+    rule : of integration, a key of `odometry.RULES`.
+    held_out : for least squares, also the errors of each run by a calibration from the others.
+    limits : for least squares, largest errors allowed: m and degrees on the way, m and degrees at the end.
+    allow_gaps : let gaps in the logs pass with a note.
+    mcap : leave the log in the output folder too, runs as MCAP with the odometry before and after (`TOPICS`).
+    output : folder for `odometry.json` and, with Matplotlib, a picture of the paths.
+
+    Raises
+    ------
+    InputError
+        Any fault of a log, or a motion that does not tell what is asked.
+    """
+    for kind, name, known in (("method", method, METHODS), ("set of parameters", parameters or SETS[0], SETS)):
+        if name not in known:
+            raise UnknownName(kind, name, known)
+    if drive is not None and drive not in DRIVES:
+        raise UnknownName("drive that can be calibrated", drive, DRIVES)
+    _check_options(method, parameters, form, limits, held_out=held_out)
+    if mcap and output is None:
+        raise CalibrationError("--mcap came without -o; name the folder that the recordings go to")
+    log = read_log(paths, drive=drive, allow_gaps=allow_gaps)
+    try:
+        found = (
+            _umbmark(log, form or "x", rule) if method == "umbmark" else _least_squares(log, parameters, rule, limits)
+        )
+        if held_out:
+            errors = held_out_errors(log.runs, log.drive, log.nominal, set_name=found.data["set"], rule=rule)
+            found.data["errors_held_out"] = _errors(errors)
+    except CalibrationError as error:
+        raise CalibrationError("\n".join([str(error), *(f"note: {note}" for note in log.notes)])) from None
+    data = {"drive": log.drive, "method": method, "rule": rule, "runs": [run.name for run in log.runs], **found.data}
+    data["notes"] = [*log.notes, *found.notes, *_astray(log, found.matrix, rule)]
+    if output is not None:
+        folder = prepare_output(output)
+        if not _draw(log, found.matrix, rule, folder / PICTURE):
+            data["notes"].append("no picture of the paths, Matplotlib is not installed: pip install 'holonom[plots]'")
+        if mcap:
+            others = dict(zip(TOPICS, _both_paths(log, found.matrix, rule).values(), strict=True))
+            data["recordings"] = str(write_log(log, folder, runs="mcap", others=others))
+        (folder / FILE).write_text(json.dumps(data, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    return Answer(_text(data), data)
+
+
+def _check_options(
+    method: str, parameters: str | None, form: str | None, limits: Sequence[float] | None, *, held_out: bool
+) -> None:
+    """Refuse options that the method knows nothing of."""
+    if method == "umbmark":
+        options = {"--parameters": parameters is not None, "--limits": limits is not None, "--held-out": held_out}
+        named = [name for name, given in options.items() if given]
+        if named:
+            raise CalibrationError(f"{' and '.join(named)} came with umbmark; leave it out, or use least-squares")
+    elif form not in (None, "x"):
+        raise CalibrationError(f"--form {form} came with least-squares; leave it out, or use --method umbmark")
+
+
+def _astray(log: OdometryLog, matrix: Array, rule: str) -> tuple[str, ...]:
+    """Notes on runs that calibrated odometry still misses by much of their way."""
+    notes = []
+    for run in log.runs:
+        path = dead_reckoning(run, matrix, rule)
+        steps = np.diff(path, axis=0)
+        lever = np.abs(matrix[:2]).max() / max(np.abs(matrix[2]).max(), 1e-12)
+        way = float(np.hypot(steps[:, 0], steps[:, 1]).sum() + lever * np.abs(steps[:, 2]).sum())
+        miss = float(np.hypot(*(path[:, :2] - run.truth[:, :2]).T).max())
+        if miss > ASTRAY * way:
+            notes.append(
+                f"run {run.name} is still {miss:.3g} m astray after calibration, {miss / way:.0%} of its way: the "
+                "result is not to be trusted; see columns, units, slip and gaps, or leave the run out"
+            )
+    return tuple(notes)
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """What a method found: JSON values, the motion matrix, notes."""
+
+    data: dict[str, Any]
+    matrix: Array
+    notes: tuple[str, ...]
+
+
+def _umbmark(log: OdometryLog, form: str, rule: str) -> _Found:
+    if log.drive != "differential":
+        raise CalibrationError(f"UMBmark is for differential drives; for {article(log.drive)} use least-squares")
+    if log.side is None and log.sides:
+        raise CalibrationError(
+            f"squares of sides {', '.join(f'{side:g}' for side in log.sides)} m came, or of none stated: UMBmark needs "
+            "squares of one side; give the sets one by one, or use least-squares"
+        )
+    if log.side is None:
+        raise CalibrationError(
+            f"{log.source} states no side of a square; state it (L in the metadata, side in the TOML file), or use "
+            "least-squares"
+        )
+    result: UMBmark = umbmark(log.runs, log.nominal, log.side, form=form, rule=rule)
+    names = list(result.calibrated)
+    matrix = drive_parameters("differential", result.calibrated).matrix(np.array(list(result.calibrated.values())))
+    return _Found(
+        {
+            "form": form,
+            "side": result.side,
+            "nominal": dict(result.nominal),
+            "calibrated": dict(result.calibrated),
+            "deviations": {name: _number(result.deviations[name]) for name in names},
+            "E_b": result.E_b,
+            "E_d": result.E_d,
+            "alpha": result.alpha,
+            "beta": result.beta,
+            "clockwise": result.clockwise.tolist(),
+            "counterclockwise": result.counterclockwise.tolist(),
+            "errors_before": {**_errors(result.before), "E_max_m": result.E_max[0]},
+            "errors_after": {**_errors(result.after), "E_max_m": result.E_max[1]},
+        },
+        matrix,
+        result.notes,
+    )
+
+
+def _least_squares(log: OdometryLog, parameters: str | None, rule: str, limits: Sequence[float] | None) -> _Found:
+    plain, refused = _attempt(log, "physical", rule)
+    if parameters != "extended" and plain is None:
+        raise CalibrationError(refused)
+    chosen = plain
+    wanted = None if limits is None else [limits[0], math.radians(limits[1]), limits[2], math.radians(limits[3])]
+    notes: tuple[str, ...] = ()
+    if parameters != "physical":
+        chosen, refused = _attempt(log, "extended", rule, wanted)
+        if chosen is None and parameters == "extended":
+            raise CalibrationError(refused)
+        if chosen is None:
+            chosen, notes = plain, (f"physical parameters only; of the extended set {refused}",)
+    if chosen is plain and wanted is not None:
+        chosen = calibrate(log.runs, log.drive, log.nominal, set_name="physical", rule=rule, limits=wanted)
+    assert chosen is not None
+    data = {"set": chosen.set, **_values(chosen), "matrix": chosen.matrix.tolist(), **_ratios(chosen)}
+    data |= {"condition": chosen.condition, "lever_m": chosen.lever, "errors_before": _errors(chosen.before)}
+    data |= {"limits": _limits(chosen), "growth": chosen.growth}
+    data |= {"correlation": chosen.correlation.tolist(), "errors_after": _errors(chosen.after)}
+    if plain is not None:
+        data["physical"] = {**_values(plain), "errors_after": _errors(plain.after)}
+    return _Found(data, chosen.matrix, notes)
+
+
+def _attempt(
+    log: OdometryLog, set_name: str, rule: str, limits: Sequence[float] | None = None
+) -> tuple[Calibration | None, str]:
+    """A calibration, or the reason why the motion does not tell it."""
+    try:
+        return calibrate(log.runs, log.drive, log.nominal, set_name=set_name, rule=rule, limits=limits), ""
+    except CalibrationError as error:
+        return None, str(error)
+
+
+def _values(found: Calibration) -> dict[str, Any]:
+    columns = {"nominal": found.nominal, "calibrated": found.values, "deviations": found.deviations}
+    return {key: dict(zip(found.names, values.tolist(), strict=True)) for key, values in columns.items()}
+
+
+def _ratios(found: Calibration) -> dict[str, float]:
+    """E_b and E_d of a differential drive."""
+    if found.drive != "differential":
+        return {}
+    new, old = (dict(zip(found.names, v.tolist(), strict=True)) for v in (found.values, found.nominal))
+    return {"E_b": new["wheelbase"] / old["wheelbase"], "E_d": new["diameter_right"] / new["diameter_left"]}
+
+
+def _limits(found: Calibration) -> dict[str, float | None]:
+    """Limits that the largest errors were held to; None where free."""
+    units = (1.0, 180.0 / math.pi, 1.0, 180.0 / math.pi)
+    names = [key for key in _LABELS if key.startswith("max_")]
+    return {name: _number(float(limit) * unit) for name, limit, unit in zip(names, found.limits, units, strict=True)}
+
+
+def _errors(errors: PathErrors) -> dict[str, Any]:
+    return {
+        "max_distance_m": errors.distance,
+        "max_heading_deg": math.degrees(errors.heading),
+        "max_final_distance_m": errors.final_distance,
+        "max_final_heading_deg": math.degrees(errors.final_heading),
+        "runs": [
+            {
+                "distance_m": float(d),
+                "heading_deg": math.degrees(h),
+                "final_distance_m": float(fd),
+                "final_heading_deg": math.degrees(fh),
+            }
+            for d, h, fd, fh in zip(
+                errors.distances, errors.headings, errors.final_distances, errors.final_headings, strict=True
+            )
+        ],
+    }
+
+
+def _number(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _draw(log: OdometryLog, matrix: Array, rule: str, path: Path) -> bool:
+    """Draw the first runs; False where that cannot be."""
+    if importlib.util.find_spec("matplotlib") is None:
+        return False
+    from holonom.plots.odometry import draw_odometry
+
+    runs = log.runs[:DRAWN]
+    drawn = {name: paths[:DRAWN] for name, paths in _both_paths(log, matrix, rule).items()}
+    draw_odometry([run.truth for run in runs], drawn, names=[run.name for run in runs], save=path)
+    return True
+
+
+def _both_paths(log: OdometryLog, matrix: Array, rule: str) -> dict[str, list[Array]]:
+    """Poses (N, 3) of every run by nominal and by calibrated odometry."""
+    nominal = drive_parameters(log.drive, log.nominal)
+    models = {"nominal": nominal.matrix(nominal.nominal), "calibrated": matrix}
+    return {name: [dead_reckoning(run, M, rule) for run in log.runs] for name, M in models.items()}
+
+
+def _text(data: Mapping[str, Any]) -> str:
+    runs = len(data["runs"])
+    lines = [f"{data['drive']} base, {data['method']}, {runs} run{'s' if runs != 1 else ''}:"]
+    lines += _table(data["nominal"], data["calibrated"], data["deviations"])
+    lines += [f"  {name} {data[name]:.6f}" for name in ("E_b", "E_d") if name in data]
+    if data.get("set") == "extended" and "physical" in data:
+        plain = data["physical"]
+        lines += ["with the physical parameters only:"]
+        lines += _table(plain["nominal"], plain["calibrated"], plain["deviations"])
+    columns = {"before": data["errors_before"], "after": data["errors_after"]}
+    if data.get("set") == "extended" and "physical" in data:
+        columns["physical only"] = data["physical"]["errors_after"]
+    if "errors_held_out" in data:
+        columns["held out"] = data["errors_held_out"]
+    lines += ["largest errors over the runs:" + "".join(f"{name:>15}" for name in columns)]
+    for key, label in _LABELS.items():
+        if key in data["errors_before"]:
+            lines.append(f"  {label:27}" + "".join(f"{errors[key]:15.6f}" for errors in columns.values()))
+    lines += [f"runs as MCAP: {data['recordings']}"] if "recordings" in data else []
+    return "\n".join([*lines, *(f"note: {note}" for note in data["notes"])])
+
+
+_LABELS = {
+    "max_distance_m": "distance on the way, m",
+    "max_heading_deg": "heading on the way, deg",
+    "max_final_distance_m": "distance at the end, m",
+    "max_final_heading_deg": "heading at the end, deg",
+    "E_max_m": "E_max of both means, m",
+}
+
+
+def _table(nominal: Mapping[str, float], found: Mapping[str, float], sure: Mapping[str, float | None]) -> list[str]:
+    width = max(map(len, nominal))
+    lines = [f"  {'':{width}}  {'nominal':>10}  {'calibrated':>10}  {'deviation':>10}"]
+    for name, value in nominal.items():
+        deviation = sure[name]
+        shown = f"{'unknown':>10}" if deviation is None else f"{deviation:10.6f}"
+        lines.append(f"  {name:{width}}  {value:10.6f}  {found[name]:10.6f}  {shown}")
+    return lines

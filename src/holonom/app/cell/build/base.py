@@ -1,0 +1,234 @@
+"""From a `[[robot]]` that is a mobile base to its `BaseJob`: wheels, drives, controller, task."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.app.cell.load import place_in
+from holonom.app.cell.model.cell import Cell
+from holonom.app.cell.model.drives import BaseLimits, BaseParts, WheelDrive, levels_of
+from holonom.app.cell.model.places import placement_pose
+from holonom.app.cell.model.robot import Robot
+from holonom.app.cell.model.tasks import FAULTS, PathTable, StartTable
+from holonom.app.job import BaseJob, Task
+from holonom.control.shaping import ShapingSettings
+from holonom.devices import DcMotor, Encoder, Friction, Gear
+from holonom.errors import CellError, InputError, ModelError
+from holonom.machine import PATHS, BaseSettings, PathLimits, ReferencePath, plan_path
+from holonom.mobile import BaseDrive, BaseSensors, WheelBase
+from holonom.mobile.drive.sized import sized_base_drive
+from holonom.sim import BaseFault
+from holonom.sim.base.plant import driven_wheels
+from holonom.spatial import pose
+
+__all__ = ["build_base_job", "deck_height", "refuse_unsimulated", "unsimulated"]
+
+Array = NDArray[np.float64]
+DECK = 2.6
+"""Height of a drawn deck over the radius of the largest wheel."""
+AWAY = 1e-3  # m and rad that the start of a path may lie beside the pose that a cell states
+
+
+def deck_height(base: WheelBase) -> float:
+    """Height of the deck on which other robots stand, m."""
+    return DECK * max(wheel.radius for wheel in base.wheels)
+
+
+def unsimulated(base: WheelBase) -> str | None:
+    """Why a base cannot be simulated, None where it can."""
+    try:
+        driven_wheels(base)
+    except ModelError as problem:
+        return str(problem)
+    return None
+
+
+def refuse_unsimulated(cell: Cell, path: Path) -> None:
+    """Raise `CellError` where the cell, the file `path`, has a base that cannot be simulated; for `holonom run`."""
+    found = []
+    for number, robot in enumerate(cell.robot):
+        why = None if robot.is_arm else unsimulated(robot.source.base)
+        if why is not None:
+            arranged = robot.source.arrangement
+            key = ("arrangement",) if arranged else ("wheels",)
+            what = f"arrangement {arranged!r}" if arranged else "these wheels"
+            found.append(f"{place_in(path, 'robot', number, 'model', *key)}: {what} cannot be simulated yet: {why}")
+    if found:
+        raise CellError("\n".join(found))
+
+
+def build_base_job(cell: Cell, number: int, path: Path, sensors: BaseSensors) -> tuple[BaseJob, tuple[str, ...]]:
+    """Build robot `number`, a base, of the cell in the file `path`, and say what was assumed.
+
+    Raises
+    ------
+    CellError
+        Drives that cannot be sized, a path that cannot be driven or passes the base's limits, a pose that is not where
+        the path begins, motors of ideal drives that break.
+    """
+    robot, at = cell.robot[number], ("robot", number)
+    base: WheelBase = robot.source.base
+    key = "drives"
+    try:
+        drive, drives, notes = _drive(robot, base)
+        key = "path"
+        task = _task(robot)
+        key = "limits"
+        settings = _settings(robot, sensors)
+    except InputError as problem:
+        raise CellError(f"{place_in(path, *at, key)}: {problem}") from None
+    if task.path is not None:
+        notes += _check_path(robot, task, path, at)
+    start = _start(robot, task.path, path, at)
+    why = unsimulated(base)
+    if why is not None:
+        notes += (f"it cannot be simulated yet: {why}",)
+    called = robot.name or base.name
+    notes += _unfelt(cell, robot, drives, path)
+    faults = tuple(BaseFault(f.time, f.wheel, FAULTS[f.kind]) for f in cell.fault if cell.robot_of(f.robot) is robot)
+    frames = {"base_link": np.eye(4), "top": pose((0.0, 0.0, deck_height(base)))}
+    levels = levels_of(robot.levels, place_in(path, "robot", number, "levels"))
+    job = BaseJob(robot.name, base, drive, drives, settings, sensors, start, task, faults, frames, levels)
+    return job, tuple(f"{called}: {note}" for note in notes)
+
+
+def _unfelt(cell: Cell, robot: Robot, drives: str, path: Path) -> tuple[str, ...]:
+    """Refuse motors that break where there are none; say that ideal drives do not slip."""
+    if drives != "ideal":
+        return ()
+    for k, fault in enumerate(cell.fault):
+        if cell.robot_of(fault.robot) is robot:
+            place = place_in(path, "fault", k, "kind")
+            raise CellError(
+                f"{place}: it came; the ideal drives of {robot.name or 'the base'} have no motors that break"
+            )
+    return ("ideal drives do not slip, so patches of the floor change nothing for it",) if cell.patch else ()
+
+
+def _drive(robot: Robot, base: WheelBase) -> tuple[BaseDrive, str, tuple[str, ...]]:
+    if isinstance(robot.drives, WheelDrive):
+        return _stated(robot.drives), "motors", ()
+    limits = robot.limits
+    assert isinstance(limits, BaseLimits)
+    speed, acceleration = limits.speed, limits.acceleration
+    if robot.path is not None:
+        speed, acceleration = max(speed, robot.path.speed), max(acceleration, robot.path.acceleration)
+    sized = sized_base_drive(base, speed, acceleration)
+    if robot.drives is not None:
+        return sized, str(robot.drives), ()
+    note = f"no motors are stated; they are sized for {speed:g} m/s and {acceleration:g} m/s2"
+    return sized, "from_limits", (note,)
+
+
+def _stated(d: WheelDrive) -> BaseDrive:
+    motor = DcMotor(
+        resistance=d.resistance,
+        inductance=d.inductance,
+        torque_constant=d.torque_constant,
+        back_emf_constant=d.torque_constant,
+        rotor_inertia=d.rotor_inertia,
+        max_voltage=d.supply,
+        max_current=d.max_current,
+        no_load_current=d.no_load_current,
+    )
+    torque = d.no_load_current * d.torque_constant
+    return BaseDrive(
+        motor=motor,
+        gear=Gear(d.gear_ratio, d.gear_efficiency),
+        encoder=Encoder(d.counts_per_turn),
+        friction=Friction(coulomb_positive=torque, coulomb_negative=torque),
+        wheel_inertia=d.wheel_inertia,
+    )
+
+
+def _settings(robot: Robot, sensors: BaseSensors) -> BaseSettings:
+    parts, limits = robot.controllers, robot.limits
+    assert isinstance(parts, BaseParts)
+    assert isinstance(limits, BaseLimits)
+    settings = BaseSettings(sensors=sensors, shaping=ShapingSettings(**limits.model_dump()))
+    return dataclasses.replace(
+        settings,
+        slip=settings.slip if parts.slip_detection else None,
+        traction=settings.traction if parts.traction_control else None,
+        watch=settings.watch if parts.dead_motor_compensation else None,
+    )
+
+
+def _task(robot: Robot) -> Task:
+    start = robot.start or StartTable.model_construct()
+    found = Task(start=start.time, after=start.signal, done=robot.done)
+    if robot.path is not None:
+        return dataclasses.replace(found, path=_path(robot.path))
+    if robot.velocity is not None:
+        rows = np.array([[step.at, step.vx, step.vy, step.w] for step in robot.velocity])
+        return dataclasses.replace(found, velocities=rows)
+    return dataclasses.replace(found, hold=robot.hold if robot.hold is not None else 0.0)
+
+
+def _path(path: PathTable) -> ReferencePath:
+    points = PATHS.make(path.shape, {field.name: getattr(path, field.name) for field in PATHS[path.shape].fields})
+    limits = PathLimits(path.speed, path.acceleration)
+    return plan_path(points + np.array(path.origin), limits, laps=path.laps, heading=path.heading, start=path.angle)
+
+
+def _check_limits(robot: Robot, planned: ReferencePath, path: Path, at: tuple[str | int, ...]) -> tuple[str, ...]:
+    """Refuse a path that passes limits of the cell; say which limits are none of a path."""
+    limits = robot.limits
+    assert isinstance(limits, BaseLimits)
+    asked = {
+        "speed": np.hypot(*planned.twist[:, :2].T),
+        "turn_rate": np.abs(planned.twist[:, 2]),
+        "acceleration": np.hypot(*planned.acceleration[:, :2].T),
+        "turn_acceleration": np.abs(planned.acceleration[:, 2]),
+    }
+    stated = sorted(limits.model_fields_set)
+    for key in [key for key in stated if key in asked]:
+        most, allowed = float(asked[key].max()), getattr(limits, key)
+        if most > allowed * (1.0 + 1e-6):
+            raise CellError(
+                f"{place_in(path, *at, 'limits', key)}: {allowed:g} came; the path asks for {most:.4g}: drive it "
+                "slower, or allow more"
+            )
+    others = [key for key in stated if key not in asked]
+    return (f"limits of {', '.join(others)} are of velocities, not of a path",) if others else ()
+
+
+def _check_path(robot: Robot, task: Task, path: Path, at: tuple[str | int, ...]) -> tuple[str, ...]:
+    """Refuse a path that wheels cannot roll along or that passes limits; say of steered ones that they cannot."""
+    assert task.path is not None
+    base: WheelBase = robot.source.base
+    notes = _check_limits(robot, task.path, path, at)
+    try:
+        if base.steered:
+            moving = np.abs(task.path.twist).max(axis=1) > 1e-3
+            base.steering(task.path.twist[moving])
+        else:
+            base.wheel_speeds(task.path.twist)
+    except InputError as problem:
+        if unsimulated(base) is None:
+            raise CellError(f"{place_in(path, *at, 'path')}: {problem}") from None
+        return (*notes, f"it cannot drive its path: {problem}")
+    return notes
+
+
+def _start(robot: Robot, path: ReferencePath | None, file: Path, at: tuple[str | int, ...]) -> Array:
+    """Where the base starts (3,): its pose, or the start of its path."""
+    if robot.pose is None:
+        return path.pose[0].copy() if path is not None else np.zeros(3)
+    x, y = placement_pose(robot.pose)[:2, 3]
+    stated = np.array([x, y, robot.pose.angle])
+    if path is not None:
+        beside = stated - path.pose[0]
+        beside[2] = (beside[2] + np.pi) % (2.0 * np.pi) - np.pi
+        if np.abs(beside).max() > AWAY:
+            px, py, angle = path.pose[0]
+            raise CellError(
+                f"{place_in(file, *at, 'pose')}: the path begins at ({px:g}, {py:g}) m and {np.degrees(angle):g} deg; "
+                "leave pose out, or give the path that origin and angle"
+            )
+        return path.pose[0].copy()
+    return stated

@@ -1,0 +1,134 @@
+"""What a robot is to do: a program, a path, velocities, holding; and what happens beside it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import Field, Strict, model_validator
+
+from holonom.app.fields.quantities import Angle, Count, File, OneOf, Quantity, Section, Size, Text, Vector2
+from holonom.errors import CellError
+from holonom.machine.base.paths import HEADINGS, PATHS
+from holonom.sim.base.plant import FAULTS as MOTOR_FAULTS
+
+__all__ = [
+    "FAULTS",
+    "EventTable",
+    "FaultTable",
+    "PathTable",
+    "ProgramTable",
+    "SignalNumber",
+    "StartTable",
+    "TwistTable",
+]
+
+FAULTS = {f"motor_{name}": name for name in MOTOR_FAULTS}
+"""What a cell calls the faults of motors."""
+
+SignalNumber = Annotated[int, Strict(), Field(ge=1, le=100_000)]
+Moment = Annotated[float, Quantity("time", "0ms", "1440min")]
+
+
+class ProgramTable(Section):
+    """The robot program."""
+
+    file: File
+    """ARPS file, relative to the cell file"""
+    locations: File | None = None
+    """file of taught locations, relative to the cell file"""
+    entry: Text | None = None
+    """program to start, the first of the file unless given"""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_a_name(cls, given: Any) -> Any:
+        return {"file": given} if isinstance(given, str) else given
+
+
+class PathTable(Section):
+    """The path that the base is to drive, from rest to rest."""
+
+    shape: Annotated[str, OneOf(PATHS)]
+    """its form"""
+    size: Size | None = None
+    """its length; of waypoints none"""
+    points: Annotated[tuple[Vector2, ...], Field(min_length=2)] | None = None
+    """waypoints: the places that it goes through; closed where the last is the first"""
+    origin: Vector2 = (0.0, 0.0)
+    """where it lies: middle of the eight, start of the circle, middle of the square's lower side"""
+    speed: Annotated[float, Quantity("speed", "1mm/s", "20m/s")]
+    """greatest speed on it"""
+    acceleration: Annotated[float, Quantity("acceleration", "1mm/s2", "100m/s2")]
+    """greatest acceleration on it, along and across together"""
+    laps: Count = 1
+    """times around"""
+    heading: Annotated[str, OneOf(HEADINGS)] = "fixed"
+    """where the base looks: always the same way, along the path, or once around per lap"""
+    angle: Angle = 0.0
+    """its heading at the start; against the path where it looks along it"""
+
+    @model_validator(mode="after")
+    def _size_or_points(self) -> PathTable:
+        wanted = {field.name for field in PATHS[self.shape].fields}
+        given = {name for name in ("points", "size") if getattr(self, name) is not None}
+        if given != wanted:
+            other = " and ".join(sorted({"points", "size"} - wanted))
+            raise CellError(f"shape {self.shape!r} takes {' and '.join(sorted(wanted))} and no {other}")
+        return self
+
+
+class TwistTable(Section):
+    """A velocity of the base in its own axes, from a moment on."""
+
+    at: Moment
+    """when, from the start of the task"""
+    vx: Annotated[float, Quantity("speed", "-20m/s", "20m/s")] = 0.0
+    """forwards"""
+    vy: Annotated[float, Quantity("speed", "-20m/s", "20m/s")] = 0.0
+    """to the left"""
+    w: Annotated[float, Quantity("angular speed", "-3600deg/s", "3600deg/s")] = 0.0
+    """turning, counter-clockwise"""
+
+
+class StartTable(Section):
+    """When a task begins: at a time, or when a signal goes on."""
+
+    time: Moment = 0.0
+    """from the start of the run"""
+    signal: SignalNumber | None = None
+    """number of the signal that it waits for"""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_a_time(cls, given: Any) -> Any:
+        return {"time": given} if isinstance(given, str) else given
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> StartTable:
+        if self.signal is not None and "time" in self.model_fields_set:
+            raise CellError("time and signal came; it is one of the two")
+        return self
+
+
+class FaultTable(Section):
+    """Something that breaks."""
+
+    time: Moment
+    """when"""
+    robot: Text | None = None
+    """whose; needed where there are several"""
+    kind: Annotated[str, OneOf(FAULTS)]
+    """a motor without current, whose wheel turns freely, or one that is jammed"""
+    wheel: Text
+    """name of the driven wheel"""
+
+
+class EventTable(Section):
+    """Something that happens at a time: a signal is switched."""
+
+    at: Moment
+    """when"""
+    signal: SignalNumber
+    """its number"""
+    on: Annotated[bool, Strict()] = True
+    """whether it goes on or off"""

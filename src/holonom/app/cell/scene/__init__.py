@@ -1,0 +1,3 @@
+"""What the report draws of a cell: bodies, floor, views."""
+
+__all__: list[str] = []

@@ -1,0 +1,142 @@
+"""What the replay shows of a mobile base: body, wheels of any kind, the path to drive, patches of the floor."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from holonom.app.cell.build.base import deck_height
+from holonom.app.cell.model.world import Patch
+from holonom.app.job import BaseJob
+from holonom.app.recording.scope import Scope
+from holonom.app.report import Box, Label, Shape, Tube
+from holonom.mobile import Wheel, WheelBase
+from holonom.sim.base.plant import SIMULATED
+from holonom.spatial import pose
+
+__all__ = ["patch_shapes", "path_shapes", "reach_of", "shapes_of_base"]
+
+Array = NDArray[np.float64]
+BODY, DECK, RUBBER, METAL, MARK = "#33415c", "#eef1f5", "#1f2937", "#aab4c3", "#d9480f"
+WHEEL_WIDTH = 0.45
+"""Width of a drawn wheel over its radius."""
+DOTS = 120
+"""Dots of a drawn path at most."""
+
+
+def shapes_of_base(job: BaseJob) -> list[Shape]:
+    """Shapes of a base in its frame "base_link" and those of its turning wheels, "wheel_1" and so on."""
+    scope = Scope(job.name, ())
+    base, body = job.base, scope.frame("base_link")
+    shapes = _body(base, body)
+    number = 0
+    for wheel in base.wheels:
+        if wheel.driven and wheel.kind in SIMULATED:
+            number += 1
+            shapes += _tyre(scope.frame(f"wheel_{number}"), wheel, np.eye(4))
+        else:
+            shapes += _FIXED.get(wheel.kind, _still)(body, wheel)
+    return shapes
+
+
+def path_shapes(points: Array) -> list[Shape]:
+    """A path (N, 2) dotted on the floor."""
+    return [
+        Tube("world", (x, y, -0.0015), (x, y, -0.0005), 0.006, "#7c8b9d")
+        for x, y in points[:: max(1, len(points) // DOTS)]
+    ]
+
+
+def patch_shapes(patch: Patch) -> list[Shape]:
+    """A patch of the floor with its name."""
+    x, y = patch.centre
+    top = -0.0012
+    label = Label("world", pose((x, y, top + 6e-4)), patch.name, 0.06, "#3b6d8f")
+    if patch.radius is not None:
+        return [Tube("world", (x, y, -0.006), (x, y, top), patch.radius, "#bfe3f5"), label]
+    assert patch.size is not None
+    T = pose((x, y, top - 0.003))
+    T[:3, :3] = Rotation.from_euler("z", patch.angle).as_matrix()
+    return [Box("world", T, (*patch.size, 0.006), "#bfe3f5"), label]
+
+
+def reach_of(base: WheelBase) -> float:
+    """Distance of what is drawn of a base from the origin of its base_link at most, m."""
+    x, y, rim = _rim(base)
+    return math.hypot(x, y) + 1.12 * rim
+
+
+def _rim(base: WheelBase) -> tuple[float, float, float]:
+    """Middle of the wheels and distance of the farthest one from there; of a single ball twice its radius, m."""
+    places = np.array([(wheel.x, wheel.y) for wheel in base.wheels])
+    x, y = (float(v) for v in 0.5 * (places.min(axis=0) + places.max(axis=0)))
+    return x, y, max(float(np.hypot(*(places - (x, y)).T).max()), 2.0 * base.wheels[0].radius)
+
+
+def _body(base: WheelBase, frame: str) -> list[Shape]:
+    """A drum above and between the wheels, with a mark at its front; its deck is as high as the frame "top"."""
+    (x, y, rim), top = _rim(base), deck_height(base)
+    r = max(wheel.radius for wheel in base.wheels)
+    on_ball = any(wheel.kind == "spherical" and wheel.driven for wheel in base.wheels)
+    low = 1.6 * r if on_ball else 0.35 * r
+    return [
+        Tube(frame, (x, y, low), (x, y, top - 0.4 * r), 0.72 * rim, BODY),
+        Tube(frame, (x, y, top - 0.5 * r), (x, y, top - 0.15 * r), 1.12 * rim, BODY),
+        Tube(frame, (x, y, top - 0.15 * r), (x, y, top), 1.06 * rim, DECK),
+        Box(frame, pose((x + 0.62 * rim, y, top + 0.04 * r)), (0.62 * rim, 0.12 * rim, 0.1 * r), MARK),
+    ]
+
+
+def _tyre(frame: str, wheel: Wheel, T: Array) -> list[Shape]:
+    """A wheel about the y axis of T (4, 4) in a frame, with a hub and a mark on both faces that shows its turning."""
+    r, half = wheel.radius, 0.5 * WHEEL_WIDTH * wheel.radius
+    face = half + 0.03 * r
+
+    def bar(start: tuple[float, float, float], end: tuple[float, float, float], radius: float, colour: str) -> Shape:
+        a, b = (T[:3, :3] @ np.array(p) + T[:3, 3] for p in (start, end))
+        return Tube(frame, tuple(a.tolist()), tuple(b.tolist()), radius, colour)
+
+    return [
+        bar((0, -half, 0), (0, half, 0), r, RUBBER),
+        bar((0, -face, 0), (0, face, 0), 0.62 * r, METAL),
+        bar((0, -face - 0.02 * r, 0.4 * r), (0, face + 0.02 * r, 0.4 * r), 0.14 * r, MARK),
+    ]
+
+
+def _at_rest(wheel: Wheel, beyond: float = 0.0) -> Array:
+    """T (4, 4) in base_link of a wheel at rest, `beyond` m along its heading; y along the axle."""
+    c, s = math.cos(wheel.heading), math.sin(wheel.heading)
+    T = pose((wheel.x + beyond * c, wheel.y + beyond * s, wheel.radius))
+    T[:3, :3] = [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]
+    return T
+
+
+def _still(frame: str, wheel: Wheel) -> list[Shape]:
+    """A wheel that is drawn without turning."""
+    return _tyre(frame, wheel, _at_rest(wheel))
+
+
+def _castor(frame: str, wheel: Wheel) -> list[Shape]:
+    """A castor: its wheel behind a pivot, and the fork between them."""
+    return [*_tyre(frame, wheel, _at_rest(wheel, wheel.castor_offset)), _column(frame, wheel, 2.4 * wheel.radius)]
+
+
+def _steered(frame: str, wheel: Wheel) -> list[Shape]:
+    """A steered wheel at rest, under its steering column."""
+    return [*_tyre(frame, wheel, _at_rest(wheel)), _column(frame, wheel, 2.6 * wheel.radius)]
+
+
+def _column(frame: str, wheel: Wheel, height: float) -> Shape:
+    r = wheel.radius
+    return Tube(frame, (wheel.x, wheel.y, 2.05 * r), (wheel.x, wheel.y, height), 0.25 * r, METAL)
+
+
+def _ball(frame: str, wheel: Wheel) -> list[Shape]:
+    x, y, r = wheel.x, wheel.y, wheel.radius
+    return [Tube(frame, (x, y, r - 1e-4), (x, y, r + 1e-4), r, RUBBER, rounded=True)]
+
+
+_FIXED = {"castor": _castor, "steered": _steered, "spherical": _ball}

@@ -1,0 +1,77 @@
+"""The command line, `holonom COMMAND ...`: finds the command in its table, runs it, prints its `Answer`.
+
+What a command raises decides the exit status: 2 for an `InputError`, usage errors too (nothing has been written), 1
+for a `RunError` (the records are kept), 130 for Ctrl-C and SIGTERM, 141 where nobody reads what it prints (`| head`).
+Any other exception is a defect and shows its traceback.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+
+from holonom.app.console.answer import Answer
+from holonom.app.console.interrupts import INTERRUPTED, Interrupted
+from holonom.app.console.pipes import BROKEN, drop_unread
+from holonom.app.console.usage import find_command, show_help
+from holonom.errors import HolonomError, InputError, RunError
+
+__all__ = ["main"]
+
+BAD_INPUT, FAILED = 2, 1
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Parameters
+    ----------
+    argv : the arguments behind the program's name; those of the process unless given.
+
+    Returns
+    -------
+    The exit status: 0, 2 (bad input), 1 (failed after the start), 130 (interrupted) or 141 (nobody reads).
+    """
+    words = list(sys.argv[1:] if argv is None else argv)
+    try:
+        try:
+            return _status(words)
+        finally:  # after --help too, which leaves by SystemExit
+            if sys.stdout is not None:
+                sys.stdout.flush()
+    except BrokenPipeError:
+        if not drop_unread():
+            raise  # another pipe than those
+        return BROKEN
+
+
+def _status(words: Sequence[str]) -> int:
+    """Run a command, print what came of it, and return the exit status."""
+    as_json = "--json" in words
+    try:
+        if show_help(words):
+            return 0
+        command, options = find_command(words)
+        answer: Answer = command.build(options)
+    except InputError as error:
+        return _fail(error, BAD_INPUT, as_json=as_json)
+    except RunError as error:
+        return _fail(error, FAILED, as_json=as_json)
+    except KeyboardInterrupt as stop:
+        print(stop if isinstance(stop, Interrupted) else Interrupted(), file=sys.stderr)
+        return INTERRUPTED
+    if as_json:
+        print(json.dumps(answer.data, indent=2, allow_nan=False))
+    elif answer.text:
+        print(answer.text)
+    return 0
+
+
+def _fail(error: HolonomError, status: int, *, as_json: bool) -> int:
+    if as_json:
+        details = {"type": type(error).__name__, "message": str(error), "status": status}
+        print(json.dumps({"error": details}, indent=2))
+    else:
+        print(f"holonom: error: {error}", file=sys.stderr)
+    return status

@@ -1,0 +1,3 @@
+"""Pictures of a report: scene, plan view, curves, polar figures."""
+
+__all__: list[str] = []

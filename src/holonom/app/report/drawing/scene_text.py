@@ -1,0 +1,75 @@
+"""A scene as JSON, and back."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from holonom.app.report.drawing.scene import Box, Disc, Label, Scene, Shape, Tube, View
+from holonom.errors import InputError
+
+__all__ = ["scene_json", "scene_of", "scene_text"]
+
+SHAPES: Mapping[str, type[Any]] = {kind.__name__.lower(): kind for kind in (Tube, Box, Disc, Label)}
+ARRAYS = ("pose", "pixel", "pixel_axes")
+"""Fields of shapes that are arrays."""
+POINTS = ("start", "end", "size")
+
+
+def scene_json(scene: Scene) -> dict[str, Any]:
+    """The scene as the page's script reads it."""
+    return {
+        "shapes": [_shape_json(shape) for shape in scene.shapes],
+        "views": [asdict(view) for view in scene.views],
+        "tool": scene.tool,
+        "trail": scene.trail,
+        "extent": scene.extent,
+    }
+
+
+def scene_text(scene: Scene) -> bytes:
+    """The scene as a file."""
+    return json.dumps(scene_json(scene), allow_nan=False, separators=(",", ":")).encode()
+
+
+def scene_of(text: bytes) -> Scene:
+    """The scene in a file that `scene_text` gave.
+
+    Raises
+    ------
+    InputError
+        It is none.
+    """
+    try:
+        said = json.loads(text)
+        views = tuple(View(v["name"], _point(v["eye"]), _point(v["target"]), v["follow"]) for v in said["views"])
+        shapes = tuple(_shape(shape) for shape in said["shapes"])
+        return Scene(shapes, views, str(said["tool"]), float(said["trail"]), float(said["extent"]))
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"the recording's scene.json cannot be read ({error!r}); record it again") from None
+
+
+def _shape_json(shape: Shape) -> dict[str, Any]:
+    fields = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in asdict(shape).items()}
+    return {"kind": type(shape).__name__.lower(), **fields}
+
+
+def _shape(said: Mapping[str, Any]) -> Shape:
+    fields = {name: _value(name, value) for name, value in said.items() if name != "kind"}
+    made: Shape = SHAPES[said["kind"]](**fields)
+    return made
+
+
+def _value(name: str, value: Any) -> Any:
+    if value is not None and name in ARRAYS:
+        return np.array(value, dtype=np.float64)
+    return _point(value) if name in POINTS else value
+
+
+def _point(value: Any) -> tuple[float, float, float]:
+    x, y, z = (float(number) for number in value)
+    return x, y, z

@@ -1,0 +1,44 @@
+"""What came of a robot in a few numbers, with their labels."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from holonom.app.report.findings.base_findings import Phase, findings_of, motion_of, path_error
+from holonom.app.report.findings.peaks import peaks_of
+from holonom.app.report.source import RobotSource
+
+__all__ = ["headline_of"]
+
+
+def headline_of(robot: RobotSource) -> dict[str, str]:
+    """Labels and values, units included."""
+    return _of_arm(robot) if robot.facts.kind == "arm" else _of_base(robot)
+
+
+def _of_arm(robot: RobotSource) -> dict[str, str]:
+    facts = {"Controller": robot.facts.controller.replace("_", " ")} if robot.facts.controller else {}
+    error = peaks_of(robot)["error"]
+    turning = np.array([kind != "prismatic" for kind in robot.facts.kinds], dtype=bool)
+    if len(error) and np.isfinite(error[turning]).any():
+        facts["Largest joint error"] = f"{np.degrees(np.nanmax(error[turning])):.3f} deg"
+    return facts
+
+
+def _of_base(robot: RobotSource) -> dict[str, str]:
+    found = findings_of(robot.recording, robot.facts)
+    facts = {}
+    if "path_driven" in robot.numbers:
+        facts["Path driven"] = f"{100.0 * robot.numbers['path_driven']:.0f} %"
+    whole = path_error(motion_of(robot.recording), Phase("whole run", 0.0, np.inf))
+    if whole is not None:
+        facts["Path error, rms"] = f"{1e3 * whole.rms:.1f} mm"
+    if found.slips:
+        facts["Slips with the right name"] = f"{sum(slip.right for slip in found.slips)} of {len(found.slips)}"
+    delays = [slip.naming_delay for slip in found.slips if slip.naming_delay is not None]
+    if delays:
+        facts["Slipping wheel named after"] = f"at most {1e3 * max(delays):.0f} ms"
+    for motor in found.dead:
+        if motor.detected is not None:
+            facts["Dead motor found after"] = f"{1e3 * (motor.detected - motor.time):.0f} ms"
+    return facts

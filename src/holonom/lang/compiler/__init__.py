@@ -1,0 +1,3 @@
+"""From text to a program: syntax, symbols, statements, expressions."""
+
+__all__: list[str] = []

@@ -1,0 +1,3 @@
+"""What runs a program: machine state, arithmetic, formats."""
+
+__all__: list[str] = []

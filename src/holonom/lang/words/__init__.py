@@ -1,0 +1,3 @@
+"""The words of ARPS: instructions, functions, built-in variables, one table."""
+
+__all__: list[str] = []

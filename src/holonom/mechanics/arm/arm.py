@@ -1,0 +1,380 @@
+"""`Arm`: a robot description together with its compiled equations."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from holonom.errors import InputError, NotAPose, ShapeError
+from holonom.mechanics.equations.dynamics.inertia import fixed_to_body
+from holonom.mechanics.kernels import inverse_geometry
+from holonom.mechanics.kernels.closed_form import FAMILIES, ClosedForm, closed_form
+from holonom.mechanics.kernels.ik_result import IkCase, IkNearest, IkResult, IkStatus
+from holonom.mechanics.kernels.inverse_geometry import UNREACHABLE
+from holonom.mechanics.kernels.table import OPTIONS, Calls, make_kernel
+from holonom.model import ArmModel, Body, constant_transform
+from holonom.spatial import check_pose
+from holonom.trace import Kernel, real_array
+
+__all__ = ["Arm", "IkCase", "IkNearest", "IkResult", "IkStatus", "Limits"]
+
+Array = NDArray[np.float64]
+CHUNK = 4096
+"""Rows that are looked at together, so that a batch takes no more memory than its result."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Joint limits as arrays (n,): rad, rad/s, rad/s2, N m (m, m/s, ... for prismatic joints)."""
+
+    names: tuple[str, ...]
+    lower: Array
+    upper: Array
+    speed: Array
+    acceleration: Array
+    torque: Array
+
+
+@dataclass(frozen=True, slots=True)
+class _Inverse:
+    """What `Arm.ik` looks at in each call; `nowhere`: bytes of a status without a branch that reaches the target."""
+
+    call: Callable[..., Any]
+    poses: bool
+    exact: bool
+    nowhere: bytes
+
+
+class Prepared(dict[Any, Any]):
+    """What is prepared for an arm once, kernels too: `prepared[build, option]` is what `build(arm, option)` gave."""
+
+    def __init__(self, arm: Arm) -> None:
+        super().__init__()
+        self._arm = arm
+
+    def __missing__(self, key: Any) -> Any:
+        build, *options = key if isinstance(key, tuple) else (key,)
+        found = self[key] = build(self._arm, *options)
+        return found
+
+
+class Arm:
+    """A serial arm; every verb broadcasts over leading axes.
+
+    One sample, or rows of C-contiguous float64, go the fast way.
+
+    `threads=` shares a batch; `out=` takes a result array. Kernels are compiled on first use and cached on disk;
+    `kernel(name)` hands one out for the fastest repeated calls. `calls` holds those of the verbs, `prepared` all that
+    they need more than once.
+    """
+
+    def __init__(self, model: ArmModel) -> None:
+        self.model = model
+        self.n = len(model.independent)
+        self.calls = Calls(self.kernel)
+        self.prepared = Prepared(self)
+
+    def __reduce__(self) -> tuple[type[Arm], tuple[ArmModel]]:
+        return Arm, (self.model,)  # a copy, or another process, compiles for itself
+
+    def __repr__(self) -> str:
+        return f"Arm({self.model.name!r}, n={self.n})"
+
+    @property
+    def limits(self) -> Limits:
+        """Joint limits as arrays."""
+        moving = [self.model.joints[i] for i in self.model.independent]
+        bounds = [j.limits for j in moving]
+        rows = [(b.lower, b.upper, b.speed, b.acceleration, b.torque) for b in bounds]
+        return Limits(tuple(j.name for j in moving), *np.array(rows, dtype=float).T.copy())
+
+    def with_tool(self, tool: ArrayLike) -> Arm:
+        """Return the arm with another tool pose T_nt (4, 4)."""
+        return Arm(dataclasses.replace(self.model, tool=constant_transform(check_pose(tool, "tool"))))
+
+    def with_base(self, base: ArrayLike) -> Arm:
+        """Return the arm with another base pose T_w0 (4, 4)."""
+        return Arm(dataclasses.replace(self.model, base=constant_transform(check_pose(base, "base"))))
+
+    def with_gravity(self, gravity: Sequence[float]) -> Arm:
+        """Return the arm under another gravity (3,) in the world, m/s2."""
+        gx, gy, gz = (float(g) for g in gravity)
+        return Arm(dataclasses.replace(self.model, gravity=(gx, gy, gz)))
+
+    def with_limits(self, *, speed: float = 1.0, acceleration: float = 1.0) -> Arm:
+        """Return the arm with its joints' speed and acceleration limits scaled by factors."""
+        joints = tuple(
+            dataclasses.replace(
+                joint,
+                limits=dataclasses.replace(
+                    joint.limits,
+                    speed=joint.limits.speed * speed,
+                    acceleration=joint.limits.acceleration * acceleration,
+                ),
+            )
+            for joint in self.model.joints
+        )
+        return Arm(dataclasses.replace(self.model, joints=joints))
+
+    def with_load(self, body: Body) -> Arm:
+        """Return the arm with a body, such as a gripper, fixed to the link that carries the tool (in its frame)."""
+        if self.model.bodies is None:
+            return self
+        bodies, tip = list(self.model.bodies), self.model.tool_joint
+        bodies[tip] = fixed_to_body(bodies[tip], body)
+        return Arm(dataclasses.replace(self.model, bodies=tuple(bodies)))
+
+    def kernel(self, name: str, **options: Any) -> Kernel:
+        """Return a compiled equation: "fk", "frames", "jacobian", "inverse_dynamics", "forward_dynamics", ....
+
+        Options are those of the verb: `frame=`, `friction=`, `wrench_frame=`. The
+        fastest call is `kernel.single(q, ..., out)`: see `holonom.trace.Kernel`.
+        """
+        chosen = {**OPTIONS.get(name, {}), **options}
+        if chosen.get("friction", 0) is None:
+            chosen["friction"] = any(joint.friction is not None for joint in self.model.joints)
+        found: Kernel = self.prepared[_kernel, name, *sorted(chosen.items())]
+        return found
+
+    def fk(self, q: ArrayLike, frame: str = "tool", *, out: Array | None = None, threads: int = 1) -> Array:
+        """Forward kinematics.
+
+        Parameters
+        ----------
+        q : (..., n) rad or m.
+        frame : "tool", "base", "link1" .. "link{n}" or a frame that the model names.
+
+        Returns
+        -------
+        T_w(frame) : (..., 4, 4).
+        """
+        result: Array = self.calls["fk", frame](q, out=out, threads=threads)
+        return result
+
+    def frames(self, q: ArrayLike) -> Array:
+        """World poses of base, link1 .. link{n} and tool: (..., n + 2, 4, 4)."""
+        result: Array = self.calls["frames"](q)
+        return result
+
+    def jacobian(self, q: ArrayLike, frame: str = "world", *, out: Array | None = None, threads: int = 1) -> Array:
+        """Geometric Jacobian of the tool point, rows [v; w] (Siciliano 3.1).
+
+        Parameters
+        ----------
+        q : (..., n).
+        frame : "world", "base" or "tool", the frame in which v and w are expressed.
+
+        Returns
+        -------
+        J : (..., 6, n).
+        """
+        result: Array = self.calls["jacobian", frame](q, out=out, threads=threads)
+        return result
+
+    @functools.cached_property
+    def closed_form(self) -> ClosedForm | None:
+        """The closed-form inverse that fits how the arm's axes lie, if there is one."""
+        return closed_form(self.model)
+
+    def ik(self, T: ArrayLike, *, threads: int = 1) -> IkResult:
+        """Closed-form inverse geometry: every branch with its status, proved by forward kinematics.
+
+        Parameters
+        ----------
+        T : (..., 4, 4), T_wt. Arms that can only place their tool (two joints in a plane, three joints in space:
+            `closed_form.task` is "position") take points p_wt (..., 3) too, and of a pose its place.
+
+        Raises
+        ------
+        NotAPose, ShapeError
+            `T` is no rigid transform; NaN.
+        InputError
+            No closed form for this arm.
+        """
+        inverse = self._inverse
+        target = T if inverse.poses else _points(T)
+        try:
+            found: IkResult = inverse.call(target, threads=threads)
+        except ShapeError:
+            if inverse.poses:
+                check_pose(T, "T")  # names what is wrong with it
+            raise
+        q, status, names = found
+        if inverse.poses and (status.ndim > 1 or status.tobytes() == inverse.nowhere):
+            _check_lost(T, status)
+        if inverse.exact:
+            return found
+        bounds, goal = (self.limits.lower, self.limits.upper), np.asarray(target, dtype=float)
+        task = "pose" if inverse.poses else "position"
+        q, status = inverse_geometry.refined(self.fk, self.jacobian, bounds, task, goal, q, status)
+        return IkResult(q, status, names)
+
+    @functools.cached_property
+    def _inverse(self) -> _Inverse:
+        form = self.closed_form
+        if form is None:
+            raise InputError(
+                f"arm {self.model.name!r} has no closed-form inverse: its axes lie like none of {', '.join(FAMILIES)}; "
+                "ik_nearest(T, q0) finds one solution numerically"
+            )
+        nowhere = bytes([UNREACHABLE] * len(form.names))
+        return _Inverse(self.calls["inverse_geometry"], form.task == "pose", form.exact, nowhere)
+
+    def ik_nearest(
+        self, T: ArrayLike, q0: ArrayLike, *, weights: ArrayLike | None = None, threads: int = 1
+    ) -> IkNearest:
+        """The reachable branch nearest to `q0`, with joints whole turns away where limits allow.
+
+        Without a closed form the numerical solver starts from `q0` (`mechanics.numerical_inverse`).
+
+        Parameters
+        ----------
+        T : (..., 4, 4), as for `ik`.
+        q0 : (..., n).
+        weights : (n,), what a joint's difference counts; the largest weighted difference is the distance. Default 1.
+        threads : threads that share a batch, 1 or more.
+
+        Returns
+        -------
+        `status` is that of the branch taken: OK or SINGULAR, and LIMIT or UNREACHABLE if no branch is better.
+
+        Raises
+        ------
+        NotAPose, ShapeError
+            As for `ik`; `q0` of another shape, or with a number that is not finite, which is named.
+        InputError
+            `threads` is no whole number of at least 1.
+        """
+        return self._nearest(T, q0, weights, threads)
+
+    @functools.cached_property
+    def _nearest(self) -> Callable[[ArrayLike, ArrayLike, ArrayLike | None, int], IkNearest]:
+        if self.closed_form is None:
+            return self._searched
+        from holonom.mechanics.arm.nearest import Nearest  # compiled code, on first use
+
+        return Nearest(self).take
+
+    def _searched(self, T: ArrayLike, q0: ArrayLike, weights: ArrayLike | None, threads: int) -> IkNearest:
+        """What the numerical solver finds from q0."""
+        from holonom.mechanics.numerical_inverse import InverseStatus, solve_inverse
+
+        found = solve_inverse(self, T, q0, threads=threads)
+        named = {
+            InverseStatus.OK: IkStatus.OK,
+            InverseStatus.NOT_CONVERGED: IkStatus.UNREACHABLE,
+            InverseStatus.LIMIT: IkStatus.LIMIT,
+        }
+        status = np.array([named[s] for s in InverseStatus], dtype=np.int8)[found.status]
+        return IkNearest(found.q, status, np.full(np.shape(status), -1), ())
+
+    def inverse_dynamics(
+        self,
+        q: ArrayLike,
+        qd: ArrayLike,
+        qdd: ArrayLike,
+        *,
+        friction: bool | None = None,
+        wrench: ArrayLike | None = None,
+        wrench_frame: str | None = None,
+        out: Array | None = None,
+        threads: int = 1,
+    ) -> Array:
+        """Joint torques for a motion: tau = B qdd + C qd + Fv qd + Fs sgn(qd) + g + J^T h (specification 02).
+
+        Parameters
+        ----------
+        q, qd, qdd : (..., n) rad, rad/s, rad/s2.
+        friction : whether joint friction is in; by default where the model has any.
+        wrench : (..., 6) [f; m], what the arm exerts on its environment at the tool point, N and N m.
+        wrench_frame : "world" or "tool", required with `wrench`.
+
+        Returns
+        -------
+        tau : (..., n) N m.
+
+        Raises
+        ------
+        ShapeError, MissingInertia, InputError
+        """
+        call = self.calls["inverse_dynamics", friction, wrench_frame]
+        result: Array
+        if wrench is None is wrench_frame:
+            result = call(q, qd, qdd, out=out, threads=threads)
+        elif wrench is None or wrench_frame is None:
+            raise InputError('wrench= and wrench_frame= ("world" or "tool") go together; one of them is missing')
+        else:
+            result = call(q, qd, qdd, wrench, out=out, threads=threads)
+        return result
+
+    def forward_dynamics(
+        self,
+        q: ArrayLike,
+        qd: ArrayLike,
+        tau: ArrayLike,
+        *,
+        friction: bool | None = None,
+        wrench: ArrayLike | None = None,
+        wrench_frame: str | None = None,
+        out: Array | None = None,
+        threads: int = 1,
+    ) -> Array:
+        """Joint accelerations under joint torques; arguments as for `inverse_dynamics`.
+
+        Returns
+        -------
+        qdd : (..., n) rad/s2.
+        """
+        call = self.calls["forward_dynamics", friction, wrench_frame]
+        result: Array
+        if wrench is None is wrench_frame:
+            result = call(q, qd, tau, out=out, threads=threads)
+        elif wrench is None or wrench_frame is None:
+            raise InputError('wrench= and wrench_frame= ("world" or "tool") go together; one of them is missing')
+        else:
+            result = call(q, qd, tau, wrench, out=out, threads=threads)
+        return result
+
+    def mass_matrix(self, q: ArrayLike, *, out: Array | None = None, threads: int = 1) -> Array:
+        """B(q): (..., n, n), with reflected rotor inertia on the diagonal."""
+        result: Array = self.calls["mass_matrix"](q, out=out, threads=threads)
+        return result
+
+    def coriolis_matrix(self, q: ArrayLike, qd: ArrayLike, *, out: Array | None = None, threads: int = 1) -> Array:
+        """C(q, qd), (..., n, n), by Christoffel symbols: Bdot - 2 C is skew-symmetric; C qd are torques, N m."""
+        result: Array = self.calls["coriolis_matrix"](q, qd, out=out, threads=threads)
+        return result
+
+    def gravity(self, q: ArrayLike, *, out: Array | None = None, threads: int = 1) -> Array:
+        """Torques that hold the arm at rest: (..., n) N m."""
+        result: Array = self.calls["gravity"](q, out=out, threads=threads)
+        return result
+
+
+def _kernel(arm: Arm, name: str, *options: tuple[str, Any]) -> Kernel:
+    return make_kernel(name, arm.model, dict(options))
+
+
+def _points(T: ArrayLike) -> Array:
+    """Points (..., 3), or the places of poses."""
+    target = real_array("T", T)
+    return target if target.shape[-1:] == (3,) else check_pose(target, "T")[..., :3, 3]
+
+
+def _check_lost(T: ArrayLike, status: NDArray[np.int8]) -> None:
+    """Refuse what is no pose: the kernel reaches none of it, so only targets without a reached branch are looked at."""
+    k = status.shape[-1]
+    poses, rows = np.asarray(T, dtype=float).reshape(-1, 4, 4), status.reshape(-1, k)
+    for first in range(0, len(rows), CHUNK):
+        lost = (rows[first : first + CHUNK] == UNREACHABLE).all(-1)
+        if lost.any():
+            try:
+                check_pose(poses[first : first + CHUNK][lost])
+            except NotAPose:
+                check_pose(T, "T")  # names the first that is none

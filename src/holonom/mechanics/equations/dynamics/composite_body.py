@@ -1,0 +1,95 @@
+"""Mass matrix by the composite rigid body algorithm (Walker & Orin 1982; Featherstone 2008, ch. 6)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from holonom.mechanics.equations.dynamics.carried import Carried, Chain, carried, chain, inert, of_bodies, power
+from holonom.mechanics.equations.dynamics.inertia import Inertial, merged, moved
+from holonom.mechanics.equations.dynamics.rotors import reflected_inertia, rotor_coupling
+from holonom.mechanics.equations.kinematics import JointMotion, gather, joint_motion, spread
+from holonom.mechanics.equations.vectors import Vector, add, cross, dot, matvec, scale, transpose
+from holonom.model import ArmModel
+from holonom.trace import Number
+
+__all__ = ["independent", "joint_inertia", "mass_matrix", "with_rotors"]
+
+MANY = 12
+"""Joints from which on one common frame takes fewer operations."""
+
+
+def mass_matrix(model: ArmModel, bodies: Sequence[Inertial], q: Vector) -> list[list[Number]]:
+    """B(q), with the reflected rotor inertias on the diagonal.
+
+    Short chains in link frames, where most of a robot's zeros are; long ones in one frame, where an entry costs less.
+    """
+    motions = [joint_motion(joint, q_i) for joint, q_i in zip(model.joints, spread(model, q), strict=True)]
+    many = len(motions) >= MANY
+    B = _in_one_frame(model, bodies, q) if many else _in_link_frames(model, bodies, motions)
+    for i in range(len(motions)):
+        for j, coupling in rotor_coupling(model, motions, i):
+            B[i][j] = B[j][i] = B[i][j] + coupling
+    return independent(model, with_rotors(model, B))
+
+
+def with_rotors(model: ArmModel, B: list[list[Number]]) -> list[list[Number]]:
+    """Add the reflected rotor inertias to an inertia over all joints."""
+    for i, rotor in enumerate(reflected_inertia(model)):
+        B[i][i] = B[i][i] + rotor
+    return B
+
+
+def _in_one_frame(model: ArmModel, bodies: Sequence[Inertial], q: Vector) -> list[list[Number]]:
+    at_rest = chain(model, q, [0.0] * len(model.independent))
+    return joint_inertia(at_rest, carried(model, of_bodies(at_rest, bodies)))
+
+
+def joint_inertia(c: Chain, sums: Sequence[Carried]) -> list[list[Number]]:
+    """Inertia over all joints without rotors: S_j . I S_i, I being what both carry."""
+    n = len(c.axis)
+    B: list[list[Number]] = [[0.0] * n for _ in range(n)]
+    for i in range(n):
+        f, j = inert(sums[i].inertia, c.axis[i]), i
+        while j >= 0:
+            B[i][j] = B[j][i] = power(c.axis[j], f)
+            j = c.model.parent(j)
+    return B
+
+
+def _in_link_frames(model: ArmModel, bodies: Sequence[Inertial], motions: Sequence[JointMotion]) -> list[list[Number]]:
+    n = len(motions)
+    B: list[list[Number]] = [[0.0] * n for _ in range(n)]
+    composite = list(bodies)
+    for i in reversed(range(n)):
+        f, m = _unit_wrench(model.joints[i].kind, motions[i], composite[i])
+        j = i
+        while j >= 0:
+            here = motions[j]
+            at_joint = add(m, cross(add(here.p_after, here.slide), f))
+            B[i][j] = B[j][i] = dot(here.z_child, at_joint if model.joints[j].kind == "revolute" else f)
+            f = matvec(here.R, f)
+            m = add(matvec(here.R, at_joint), cross(here.p_before, f))
+            j = model.parent(j)
+        if (parent := model.parent(i)) >= 0:
+            composite[parent] = merged(composite[parent], moved(composite[i], motions[i].R, motions[i].p))
+    return B
+
+
+def _unit_wrench(kind: str, motion: JointMotion, body: Inertial) -> tuple[list[Number], list[Number]]:
+    """Force and moment about the frame's origin that a unit acceleration of the joint takes for all that it carries."""
+    if kind == "prismatic":
+        return scale(body.m, motion.z_child), cross(body.h, motion.z_child)
+    spin = motion.z_child
+    a = cross(spin, motion.p_after)
+    return (
+        add(scale(body.m, a), cross(spin, body.h)),
+        add(matvec(body.rotational(), spin), cross(body.h, a)),
+    )
+
+
+def independent(model: ArmModel, B: list[list[Number]]) -> list[list[Number]]:
+    """G^T B G for any matrix over all joints, G being how they follow from the independent ones."""
+    if len(model.independent) == len(B):
+        return B
+    half = [gather(model, row) for row in B]
+    return transpose([gather(model, column) for column in transpose(half)])

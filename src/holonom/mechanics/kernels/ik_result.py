@@ -1,0 +1,84 @@
+"""What an inverse gives back: branches with a status each, and the one nearest to given joints."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.mechanics.kernels import inverse_geometry
+
+__all__ = ["IkCase", "IkNearest", "IkResult", "IkStatus"]
+
+Array = NDArray[np.float64]
+
+
+class IkStatus(IntEnum):
+    """What became of one branch of an inverse."""
+
+    OK = inverse_geometry.OK
+    UNREACHABLE = inverse_geometry.UNREACHABLE
+    LIMIT = inverse_geometry.LIMIT
+    SINGULAR = inverse_geometry.SINGULAR
+
+
+class IkCase(IntEnum):
+    """How many joint vectors reach a target, joint limits aside."""
+
+    OUT_OF_REACH = 0
+    REGULAR = 1
+    BOUNDARY = 2
+    ON_AXIS = 3
+
+
+class IkResult(NamedTuple):
+    """All branches of an inverse.
+
+    q : (..., k, n) rad or m; status : (..., k) int8, an `IkStatus`; names : the k branch names, explained in
+    `mechanics.closed_form`.
+    A SINGULAR branch reaches the target with a joint that is free (wrist straight; wrist on the axis of joint 1): it
+    is chosen 0 (UR: joint 6, so that joint 4 is nearest to the shoulder). A LIMIT branch reaches it outside the joint
+    limits. An UNREACHABLE one does not reach it: forward kinematics misses it by more than 1e-8 (m, and the rotation's
+    entries).
+    """
+
+    q: Array
+    status: NDArray[np.int8]
+    names: tuple[str, ...]
+
+    @property
+    def solutions(self) -> NDArray[np.int64]:
+        """Number of different joint vectors (...) that reach the target; -1 for infinitely many."""
+        reached = self.status != IkStatus.UNREACHABLE
+        count = (reached & ~self._repeated()).sum(-1)
+        return np.where((self.status == IkStatus.SINGULAR).any(-1), -1, count)
+
+    @property
+    def case(self) -> NDArray[np.int8]:
+        """The `IkCase` (...): out of reach; regular; branches meet (arm stretched); a joint is free (on its axis)."""
+        reached = self.status != IkStatus.UNREACHABLE
+        met = np.where((reached & self._repeated()).any(-1), IkCase.BOUNDARY, IkCase.REGULAR)
+        free = (self.status == IkStatus.SINGULAR).any(-1)
+        return np.where(reached.any(-1), np.where(free, IkCase.ON_AXIS, met), IkCase.OUT_OF_REACH).astype(np.int8)
+
+    def _repeated(self) -> NDArray[np.bool_]:
+        """Whether a branch (..., k) is an earlier one again."""
+        apart = self.q[..., :, None, :] - self.q[..., None, :, :]
+        same = np.abs(apart - 2.0 * np.pi * np.round(apart / (2.0 * np.pi))).max(-1) < 1e-6
+        both = (self.status != IkStatus.UNREACHABLE)[..., None, :]
+        earlier = np.tri(self.status.shape[-1], k=-1, dtype=bool)
+        return np.asarray((same & both & earlier).any(-1))
+
+
+class IkNearest(NamedTuple):
+    """The branch nearest to a joint vector: q (..., n), status (...), branch (...): its number in `names`.
+
+    Where the arm has no closed form there are no names, and `branch` is -1.
+    """
+
+    q: Array
+    status: NDArray[np.int8]
+    branch: NDArray[np.int64]
+    names: tuple[str, ...]

@@ -1,0 +1,196 @@
+"""The inverse geometry of an arm as one equation: branches of its closed form, proved by its forward kinematics."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from holonom.mechanics.equations import kinematics
+from holonom.mechanics.equations.inverse.subproblems import Branch, Truth, Turn
+from holonom.mechanics.equations.vectors import Matrix, Pose, Vector, compose, dot, matmul, matvec, sub, transpose
+from holonom.mechanics.kernels.closed_form import ClosedForm
+from holonom.model import ArmModel, JointLimits
+from holonom.spatial.poses import RIGID
+from holonom.trace import Kernel, Number, absolute, atan2, compile, less, select
+
+__all__ = [
+    "LIMIT",
+    "LIMIT_TOLERANCE",
+    "OK",
+    "REACHED",
+    "SINGULAR",
+    "UNREACHABLE",
+    "inverse_geometry",
+    "inverse_kernel",
+    "pose_error",
+    "refined",
+]
+
+Array = NDArray[np.float64]
+
+OK, UNREACHABLE, LIMIT, SINGULAR = 0, 1, 2, 3
+REACHED = 1e-8
+"""Root of the sum of squares of T(q) - T (m, and the rotation's entries) up to which a branch has reached the pose."""
+DEPARTED = 1e3
+"""How much further a branch that is still to be refined may miss, per departure of the axes from the closed form's."""
+LIMIT_TOLERANCE = 1e-9
+"""Angle (rad) or way (m) by which rounding may pass a joint limit."""
+
+
+def inverse_geometry(model: ArmModel, form: ClosedForm, target: Vector) -> tuple[list[Number], list[Number]]:
+    """All branches for T_wt (16 numbers, row by row), or for p_wt (3) of a position task: joints (k n), status (k).
+
+    The rotation is first made orthonormal (one Newton step: 1e-6 becomes 1e-12). A branch that forward kinematics does
+    not prove is UNREACHABLE; it holds the joints that come nearest in its own way. So are all branches of what is no
+    pose, to the tolerance of `spatial.check_pose`: whoever finds none reached asks that for the reason.
+    """
+    refused: Truth = False
+    if form.task == "position":
+        found = form.branches(_into(form.chain.before, target))
+        goal = list(target)
+    else:
+        R, departs = _orthonormal([target[4 * i : 4 * i + 3] for i in range(3)])
+        p = [target[3], target[7], target[11]]
+        refused = departs | _last_row_departs(target[12:])
+        found = form.branches(_motion(form, (R, p)))
+        goal = kinematics.flat_pose((R, p))[:12]
+    reached = REACHED if form.exact else REACHED + DEPARTED * form.chain.departure
+    joints: list[Number] = []
+    status: list[Number] = []
+    for branch in found:
+        q = _joints(model, form, branch)
+        T = kinematics.pose(model, q, None)
+        missing = sub(T[:12] if len(goal) == 12 else [T[3], T[7], T[11]], goal)
+        joints += q
+        missed = refused | less(reached * reached, dot(missing, missing))
+        status.append(_status(model, q, missed, branch.free))
+    return joints, status
+
+
+def inverse_kernel(model: ArmModel, form: ClosedForm, result: Callable[[Array, NDArray[np.int8]], Any]) -> Kernel:
+    """The compiled equation, and what a call makes of the branches and their status."""
+    k, n = len(form.names), len(model.joints)
+    inputs = {"p": 3} if form.task == "position" else {"T": (4, 4)}
+    return compile(
+        lambda target: inverse_geometry(model, form, target),
+        inputs,
+        {"q": (k, n), "status": k},
+        name=f"{model.name}_inverse_geometry",
+        integers=("status",),
+        branches=True,
+        result=result,
+    )
+
+
+def _orthonormal(R: Matrix) -> tuple[Matrix, Truth]:
+    """(3 - R R^T) R / 2, the rotation nearest to R if R is nearly one, and whether it is not.
+
+    A mirror passes here, and fails the proof: what forward kinematics gives turns.
+    """
+    square = matmul(R, transpose(R))
+    departs: Truth = False
+    for i in range(3):
+        for j in range(i + 1):
+            departs = departs | less(RIGID, absolute(square[i][j] - (1.0 if i == j else 0.0)))
+    half = [[(1.5 if i == j else 0.0) - 0.5 * square[i][j] for j in range(3)] for i in range(3)]
+    return matmul(half, R), departs
+
+
+def _last_row_departs(row: Vector) -> Truth:
+    x, y, z, one = row
+    return less(0.0, absolute(x) + absolute(y) + absolute(z) + absolute(one - 1.0))
+
+
+def _into(frame: Sequence[Sequence[float]], p: Vector) -> list[Number]:
+    R, origin = kinematics.split(frame)  # type: ignore[arg-type]
+    return matvec(transpose(R), sub(p, origin))
+
+
+def _motion(form: ClosedForm, T: Pose) -> Pose:
+    """G = before^-1 T home^-1."""
+    R, p = compose(_inverted(kinematics.split(form.chain.before)), T)
+    return compose((R, p), _inverted(kinematics.split(form.chain.home)))
+
+
+def _inverted(T: Pose) -> Pose:
+    R, p = T
+    back = transpose(R)
+    return back, [-x for x in matvec(back, p)]
+
+
+def _joints(model: ArmModel, form: ClosedForm, branch: Branch) -> list[Number]:
+    """The model's joints, wrapped into their limits where whole turns allow it."""
+    q = []
+    for joint, reference, value in zip(model.joints, form.chain.reference, branch.values, strict=True):
+        if isinstance(value, Turn):
+            q.append(_wrapped(atan2(value.s, value.c) + reference, joint.limits))
+        else:
+            q.append(value)
+    return q
+
+
+def _wrapped(q: Number, limits: JointLimits) -> Number:
+    """Bring an angle of less than two turns within half a turn of the middle of its limits."""
+    finite = math.isfinite(limits.lower) and math.isfinite(limits.upper)
+    middle = 0.5 * (limits.lower + limits.upper) if finite else 0.0
+    turns = 2.0 * math.pi * round(middle / (2.0 * math.pi))
+    q = select(less(math.pi, q), q - 2.0 * math.pi, q)
+    q = select(less(q, -math.pi), q + 2.0 * math.pi, q) + turns
+    up, down = q + 2.0 * math.pi, q - 2.0 * math.pi
+    if math.isfinite(limits.lower) and limits.upper > turns + math.pi:
+        q = select(less(q, limits.lower) & _below(up, limits.upper), up, q)
+    if math.isfinite(limits.upper) and limits.lower < turns - math.pi:
+        q = select(less(limits.upper, q) & _below(-down, -limits.lower), down, q)
+    return q
+
+
+def _below(q: Number, bound: float) -> Truth:
+    return less(q, bound) if math.isfinite(bound) else True
+
+
+def _status(model: ArmModel, q: Vector, missed: Truth, free: Truth) -> Number:
+    outside: Truth = False
+    for joint, v in zip(model.joints, q, strict=True):
+        for bound, sign in ((joint.limits.lower, 1.0), (joint.limits.upper, -1.0)):
+            if math.isfinite(bound):
+                outside = outside | less(sign * v, sign * bound - LIMIT_TOLERANCE)
+    return select(missed, UNREACHABLE, select(outside, LIMIT, select(free, SINGULAR, OK)))
+
+
+def refined(
+    fk: Callable[[Array], Array],
+    jacobian: Callable[[Array], Array],
+    limits: tuple[Array, Array],
+    task: str,
+    target: Array,
+    q: Array,
+    status: NDArray[np.int8],
+) -> tuple[Array, NDArray[np.int8]]:
+    """Branches of an arm that is only nearly what its closed form takes it for, after three Newton steps.
+
+    target (..., 4, 4) or (..., 3); q (..., k, n); status (..., k).
+    """
+    rows = 3 if task == "position" else 6
+    goal = np.broadcast_to(target[..., None, :, :], (*q.shape[:-1], 4, 4)) if rows == 6 else target[..., None, :]
+    better = q
+    for _ in range(3):
+        inverse = np.linalg.pinv(jacobian(better)[..., :rows, :], rcond=1e-7)
+        better = better + np.einsum("...ij,...j->...i", inverse, pose_error(fk(better), goal, rows))
+    missed = np.linalg.norm(pose_error(fk(better), goal, rows), axis=-1) > REACHED
+    missed |= status == UNREACHABLE
+    outside = ((better < limits[0] - LIMIT_TOLERANCE) | (better > limits[1] + LIMIT_TOLERANCE)).any(-1)
+    rest = np.where(outside, LIMIT, np.where(status == SINGULAR, SINGULAR, OK))
+    return np.where(missed[..., None], q, better), np.where(missed, UNREACHABLE, rest).astype(np.int8)
+
+
+def pose_error(T: Array, goal: Array, rows: int) -> Array:
+    """Place, and for six rows sine of the angle times the axis, that T still has to go: (..., rows)."""
+    if rows == 3:
+        return np.asarray(goal - T[..., :3, 3])
+    W = goal[..., :3, :3] @ np.swapaxes(T[..., :3, :3], -1, -2)
+    turn = 0.5 * np.stack([W[..., 2, 1] - W[..., 1, 2], W[..., 0, 2] - W[..., 2, 0], W[..., 1, 0] - W[..., 0, 1]], -1)
+    return np.concatenate([goal[..., :3, 3] - T[..., :3, 3], turn], -1)

@@ -1,0 +1,117 @@
+"""Kernels of `mechanics.jacobians`: rates and Hessian of the Jacobian by differentiating its graph."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from holonom.errors import UnknownName
+from holonom.mechanics.equations import kinematics
+from holonom.mechanics.equations.vectors import Matrix, Vector, matmul, matvec
+from holonom.mechanics.kernels.results import AnalyticJacobian
+from holonom.model import ArmModel
+from holonom.trace import Kernel, Number, Scalar, compile, less, select, sqrt
+from holonom.trace.derivative import along, jacobian
+
+__all__ = ["FRAMED", "JACOBIANS", "frame_named"]
+
+Options = Mapping[str, Any]
+DEGENERATE = 1e-9
+"""Sine (ZYZ) or cosine (RPY) of the middle angle below which the rates of the angles are not defined."""
+
+
+def _flat(rows: Matrix) -> list[Number]:
+    return [entry for row in rows for entry in row]
+
+
+def _scalars(values: Vector) -> list[Scalar]:
+    return [v for v in values if isinstance(v, Scalar)]
+
+
+def frame_named(options: Options) -> str:
+    """The frame of a Jacobian, one of three."""
+    frame = str(options.get("frame", "world"))
+    if frame not in ("world", "base", "tool"):
+        raise UnknownName("Jacobian frame", frame, ("world", "base", "tool"))
+    return frame
+
+
+def _jacobian_rate(model: ArmModel, options: Options) -> Kernel:
+    n, frame = len(model.independent), frame_named(options)
+    return compile(
+        lambda q, qd: along(kinematics.jacobian(model, q, frame), _scalars(q), qd),
+        {"q": n, "qd": n},
+        {"Jd": (6, n)},
+        name=f"{model.name}_jacobian_rate_{frame}",
+    )
+
+
+def _acceleration_bias(model: ArmModel, options: Options) -> Kernel:
+    """Jdot qd as the rate of J qd with qd held: without Jdot."""
+    n, frame = len(model.independent), frame_named(options)
+
+    def equation(q: Vector, qd: Vector) -> list[Number]:
+        J = kinematics.jacobian(model, q, frame)
+        return along(matvec([J[n * i : n * i + n] for i in range(6)], qd), _scalars(q), qd)
+
+    return compile(equation, {"q": n, "qd": n}, {"a": 6}, name=f"{model.name}_acceleration_bias_{frame}")
+
+
+def _jacobian_hessian(model: ArmModel, options: Options) -> Kernel:
+    n, frame = len(model.independent), frame_named(options)
+    return compile(
+        lambda q: _flat(jacobian(kinematics.jacobian(model, q, frame), _scalars(q))),
+        {"q": n},
+        {"H": (6, n, n)},
+        name=f"{model.name}_jacobian_hessian_{frame}",
+    )
+
+
+def _analytic_jacobian(model: ArmModel, options: Options) -> Kernel:
+    n, angles = len(model.independent), options.get("angles")
+    if angles not in ("zyz", "rpy"):
+        raise UnknownName("angles", str(angles), ("zyz", "rpy"))
+
+    def equation(q: Vector) -> list[list[Number]]:
+        J = kinematics.jacobian(model, q, "world")
+        R, _ = kinematics.frames(model, q)[-1]
+        rows = [J[n * i : n * i + n] for i in range(6)]
+        rates, degenerate = _angle_rates(R, angles)
+        return [_flat([*rows[:3], *matmul(rates, rows[3:])]), [degenerate]]
+
+    outputs: dict[str, int | tuple[int, ...]] = {"J": (6, n), "degenerate": ()}
+    return compile(
+        equation,
+        {"q": n},
+        outputs,
+        name=f"{model.name}_analytic_jacobian_{angles}",
+        integers=("degenerate",),
+        result=lambda J, degenerate: AnalyticJacobian(J, degenerate.view(bool)),
+    )
+
+
+def _angle_rates(R: Matrix, angles: str) -> tuple[Matrix, Number]:
+    """Angle rates from the angular velocity in the world, (3, 3); zero and 1 where they are not defined.
+
+    Siciliano 3.6. With the node line turned by phi about z: theta' = w . n, psi' = (w along the turned axis) / s.
+    """
+    x, y, lift = (R[0][2], R[1][2], R[2][2]) if angles == "zyz" else (R[0][0], R[1][0], R[2][0])
+    s = sqrt(x * x + y * y)
+    flat = less(s, DEGENERATE)
+    inverse = select(flat, 0.0, 1.0 / select(flat, 1.0, s))
+    c_phi, s_phi = x * inverse, y * inverse
+    last: list[Number] = [c_phi * inverse, s_phi * inverse, 0.0]
+    first: list[Number] = [-lift * last[0], -lift * last[1], select(flat, 0.0, 1.0)]
+    middle: list[Number] = [-s_phi, c_phi, 0.0]
+    rows = [first, middle, last] if angles == "zyz" else [last, middle, first]
+    return rows, select(flat, 1.0, 0.0)
+
+
+JACOBIANS: Mapping[str, Callable[[ArmModel, Options], Kernel]] = {
+    "jacobian_rate": _jacobian_rate,
+    "acceleration_bias": _acceleration_bias,
+    "jacobian_hessian": _jacobian_hessian,
+    "analytic_jacobian": _analytic_jacobian,
+}
+FRAMED = ("jacobian_rate", "acceleration_bias", "jacobian_hessian")
+"""Those that are stated in a frame."""

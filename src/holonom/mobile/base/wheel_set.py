@@ -1,0 +1,61 @@
+"""What a base checks about its wheels and numbers when it is made."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Mapping, Sequence
+
+from holonom.errors import ModelError, UnknownName
+from holonom.mobile.base.wheel import Wheel
+from holonom.mobile.evaluation import is_finite, shown
+
+__all__ = ["named_wheels", "positive", "steering_groups"]
+
+
+def named_wheels(base: str, wheels: Iterable[Wheel]) -> tuple[Wheel, ...]:
+    """The wheels of a base, the nameless numbered; ModelError if there are none or two have one name."""
+    given = tuple(wheels)
+    if not given:
+        raise ModelError(f"base {base!r} has no wheels; state at least one")
+    for wheel in given:
+        if not isinstance(wheel, Wheel):
+            raise ModelError(f"base {base!r} has {wheel!r} among its wheels; make each by Wheel(...) or Wheel.at(...)")
+    named = tuple(w if w.name else dataclasses.replace(w, name=f"wheel {k + 1}") for k, w in enumerate(given))
+    names = [w.name for w in named]
+    twice = sorted({n for n in names if names.count(n) > 1})
+    if twice:
+        raise ModelError(f"base {base!r} has several wheels called {', '.join(map(repr, twice))}; name each its own")
+    return named
+
+
+def positive(base: str, what: str, value: float) -> float:
+    """The value, if it is a number above zero; else ModelError."""
+    if not (is_finite(value) and value > 0.0):
+        raise ModelError(f"base {base!r} has {what} {shown(value)}; a number above zero is needed")
+    return float(value)
+
+
+def steering_groups(
+    base: str, wheels: Sequence[Wheel], stated: Mapping[str, Sequence[str]]
+) -> dict[str, tuple[int, ...]]:  # fmt: skip
+    """Members of each steering angle by its name: stated groups at the place of their first wheel."""
+    place = {w.name: i for i, w in enumerate(wheels)}
+    owner: dict[int, str] = {}
+    for group, members in stated.items():
+        for member in members:
+            if member not in place:
+                raise UnknownName("wheel", member, place)
+            if wheels[place[member]].kind != "steered" or place[member] in owner:
+                raise ModelError(
+                    f"base {base!r}: group {group!r} has {member!r}, which is not steered or in another group"
+                )
+            owner[place[member]] = group
+    alone = {w.name for i, w in enumerate(wheels) if w.kind == "steered" and i not in owner}
+    for group in alone.intersection(stated):
+        raise ModelError(f"base {base!r}: group {group!r} has the name of a wheel that steers alone; name it otherwise")
+    groups: dict[str, tuple[int, ...]] = {}
+    for i, wheel in enumerate(wheels):
+        if wheel.kind == "steered":
+            key = owner.get(i, wheel.name)
+            groups[key] = (*groups.get(key, ()), i)
+    return groups

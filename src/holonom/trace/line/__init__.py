@@ -1,0 +1,3 @@
+"""From an equation to a straight line of operations."""
+
+__all__: list[str] = []
