@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError, UnknownName
-from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.arm.nearest import joint_vectors
 from holonom.mechanics.equations.criteria import CRITERIA, Criterion
 from holonom.mechanics.kernels.pose import multipliers_kernel
+from holonom.mechanics.kernels.protocol import SolvedArm
 from holonom.model import ArmModel
 from holonom.spatial import check_pose
 from holonom.trace import check_threads, real_array, share
@@ -55,7 +55,7 @@ class InverseResult(NamedTuple):
 
 
 def solve_inverse(
-    arm: Arm,
+    arm: SolvedArm,
     T: ArrayLike,
     q0: ArrayLike | None = None,
     *,
@@ -108,7 +108,7 @@ def solve_inverse(
 
 
 def _solver(
-    arm: Arm,
+    arm: SolvedArm,
     limits: bool,
     tolerance: float,
     restarts: int,
@@ -225,7 +225,7 @@ def _solve_one() -> Callable[..., int]:
 
 
 def inverse_solver(
-    arm: Arm,
+    arm: SolvedArm,
     *,
     limits: bool = True,
     tolerance: float = 1e-6,
@@ -286,7 +286,7 @@ def _goals(T: ArrayLike) -> tuple[Array, tuple[int, ...]]:
     return np.ascontiguousarray(poses.reshape(-1, 16)[:, :12]), poses.shape[:-2]
 
 
-def _chain(arm: Arm, limits: bool) -> Chain:
+def _chain(arm: SolvedArm, limits: bool) -> Chain:
     from holonom.mechanics.loops.solver import Chain
 
     bounds, n = arm.limits, arm.n
@@ -341,7 +341,7 @@ def _reach(model: ArmModel) -> float:
 
 
 def _search(
-    arm: Arm,
+    arm: SolvedArm,
     tolerance: float,
     attempts: int,
     steps: int,
@@ -372,7 +372,7 @@ def _weights(weights: ArrayLike | None, frame: str | None) -> Array:
     return w
 
 
-def _criterion_address(arm: Arm, criterion: str | Criterion) -> int:
+def _criterion_address(arm: SolvedArm, criterion: str | Criterion) -> int:
     if isinstance(criterion, str) and criterion not in CRITERIA:
         raise UnknownName("criterion", criterion, CRITERIA)
     return arm.kernel("criterion", criterion=criterion).address

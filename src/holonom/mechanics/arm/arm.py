@@ -17,6 +17,7 @@ from holonom.mechanics.kernels import inverse_geometry
 from holonom.mechanics.kernels.closed_form import FAMILIES, ClosedForm, closed_form
 from holonom.mechanics.kernels.ik_result import IkCase, IkNearest, IkResult, IkStatus
 from holonom.mechanics.kernels.inverse_geometry import UNREACHABLE
+from holonom.mechanics.kernels.protocol import Limits
 from holonom.mechanics.kernels.table import OPTIONS, Calls, make_kernel
 from holonom.model import ArmModel, Body, constant_transform
 from holonom.spatial import check_pose
@@ -27,18 +28,6 @@ __all__ = ["Arm", "IkCase", "IkNearest", "IkResult", "IkStatus", "Limits"]
 Array = NDArray[np.float64]
 CHUNK = 4096
 """Rows that are looked at together, so that a batch takes no more memory than its result."""
-
-
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """Joint limits as arrays (n,): rad, rad/s, rad/s2, N m (m, m/s, ... for prismatic joints)."""
-
-    names: tuple[str, ...]
-    lower: Array
-    upper: Array
-    speed: Array
-    acceleration: Array
-    torque: Array
 
 
 @dataclass(frozen=True, slots=True)

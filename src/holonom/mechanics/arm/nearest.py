@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import NotAPose, ShapeError
 from holonom.mechanics.kernels.ik_result import IkNearest, IkStatus
+from holonom.mechanics.kernels.protocol import SolvedArm
 from holonom.mechanics.loops.nearest import nearest_of_rows, nearest_point, nearest_pose
 from holonom.spatial import check_pose
 from holonom.trace import check_threads, real_array, share
-
-if TYPE_CHECKING:
-    from holonom.mechanics.arm.arm import Arm
 
 __all__ = ["Nearest", "joint_vectors"]
 
@@ -53,7 +51,7 @@ UNREACHABLE, SINGULAR = STATUS[IkStatus.UNREACHABLE], STATUS[IkStatus.SINGULAR]
 class Nearest:
     """The nearest branch of one arm with a closed form, for many calls."""
 
-    def __init__(self, arm: Arm) -> None:
+    def __init__(self, arm: SolvedArm) -> None:
         form, limits, moving = arm.closed_form, arm.limits, arm.model.independent
         assert form is not None
         turns = [2.0 * np.pi * (arm.model.joints[i].kind == "revolute") for i in moving]

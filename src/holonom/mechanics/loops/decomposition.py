@@ -9,12 +9,13 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numba import boolean, float64, int64
 from numpy.typing import NDArray
 
+from holonom.mechanics.kernels.protocol import SolvedArm
 from holonom.mechanics.kernels.singularities import rows_of
 from holonom.numeric.svd_kernels import ROOM, complete, decompose, room_for, rows_of_turns, unit_rows, weights
 from holonom.trace.call.direct import ArrayObject, array_of, direct, fits, scratch
@@ -22,9 +23,6 @@ from holonom.trace.call.pointer import call_kernel
 from holonom.trace.call.results import Results, entry, exists, made_like, nothing, put, release
 from holonom.trace.code.loops import loop
 from holonom.trace.code.simd import load, spread, total
-
-if TYPE_CHECKING:
-    from holonom.mechanics.arm.arm import Arm
 
 __all__ = [
     "LOST",
@@ -58,7 +56,7 @@ def asked_for(signature: Any) -> Callable[[Compiled], Callable[[], Compiled]]:
     return decorate
 
 
-def plan_of(arm: Arm, part: str = "all", frame: str = "world") -> NDArray[np.int64]:
+def plan_of(arm: SolvedArm, part: str = "all", frame: str = "world") -> NDArray[np.int64]:
     """Address of the arm's Jacobian in C form, count of joints, first row of the part, count of its rows."""
     rows = rows_of(part)
     return np.array([arm.kernel("jacobian", frame=frame).address, arm.n, rows.start, rows.stop - rows.start])

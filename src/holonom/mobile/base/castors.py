@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from holonom.mobile.base.protocol import ConstrainedBase
 from holonom.mobile.equations.wheels import rolling_row, sliding_row
 from holonom.mobile.evaluation import samples
-
-if TYPE_CHECKING:
-    from holonom.mobile.base.wheel_base import WheelBase
 
 __all__ = ["CastorRates", "castor_rates"]
 
@@ -26,7 +24,7 @@ class CastorRates(NamedTuple):
     rolling: Array
 
 
-def castor_rates(base: WheelBase, twist: ArrayLike, turned: ArrayLike | None = None) -> CastorRates:
+def castor_rates(base: ConstrainedBase, twist: ArrayLike, turned: ArrayLike | None = None) -> CastorRates:
     """Rates at which the castors of a base follow a twist.
 
     [cos(a+b), sin(a+b), d + l sin(b)] xi + d betad = 0 and [sin(a+b), -cos(a+b), -l cos(b)] xi = r phid.
@@ -40,7 +38,7 @@ def castor_rates(base: WheelBase, twist: ArrayLike, turned: ArrayLike | None = N
     ------
     ShapeError
     """
-    castors = [w for w in base.wheels if w.kind == "castor"]
+    castors = [w for w in base.layout.wheels if w.kind == "castor"]
     xi = samples("twist", twist, 3)
     angles = np.zeros(len(castors)) if turned is None else samples("turned", turned, len(castors))
     lead = np.broadcast_shapes(xi.shape[:-1], angles.shape[:-1])

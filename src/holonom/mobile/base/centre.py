@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import InputError
-
-if TYPE_CHECKING:
-    from holonom.mobile.base.wheel_base import WheelBase
+from holonom.mobile.base.protocol import ConstrainedBase
 
 __all__ = ["Centre", "axle_miss", "centre_of_axles", "centre_of_twist"]
 
@@ -54,7 +52,7 @@ def centre_of_twist(twist: ArrayLike) -> Centre:
     return Centre(point, _unit(np.where(far[..., None], toward, toward / w)), far, np.zeros(far.shape))
 
 
-def centre_of_axles(base: WheelBase, steering: ArrayLike | None = None) -> Centre:
+def centre_of_axles(base: ConstrainedBase, steering: ArrayLike | None = None) -> Centre:
     """Where the axles of the fixed and steered wheels meet: least squares over their distances to the point.
 
     The centre is the twist that drags the wheels least (smallest sum of squared sideways speeds among unit twists in

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from holonom.errors import ModelError
 from holonom.mobile.base.centre import axle_miss
+from holonom.mobile.base.protocol import ConstrainedBase
 from holonom.mobile.base.wheel import KINDS
 from holonom.mobile.equations.base_models import Axle, Layout, axles_at, sliding_rows
 from holonom.mobile.equations.steering import steering_angles
-
-if TYPE_CHECKING:
-    from holonom.mobile.base.wheel_base import WheelBase
 
 __all__ = [
     "Mobility", "Stance", "check_movable", "conflicting_wheels", "degrees_of_freedom", "is_holonomic", "mobility",
@@ -48,7 +46,7 @@ class Stance(NamedTuple):
     independent: int
 
 
-def mobility(base: WheelBase) -> Mobility:
+def mobility(base: ConstrainedBase) -> Mobility:
     """Mobility, steerability and manoeuvrability of a base.
 
     `dm` is 3 minus the rank of the sliding constraints at a steering that lets the base move; `ds` is how many steered
@@ -61,7 +59,7 @@ def mobility(base: WheelBase) -> Mobility:
     return Mobility(dm, found.independent, dm + found.independent)
 
 
-def degrees_of_freedom(base: WheelBase) -> int:
+def degrees_of_freedom(base: ConstrainedBase) -> int:
     """Dimension of the poses that the base can reach by rolling and steering (DOF, Siegwart & Nourbakhsh 3.4).
 
     Reached is what all twists that some steering allows, and their Lie brackets, span: a differential drive parks
@@ -79,7 +77,7 @@ def degrees_of_freedom(base: WheelBase) -> int:
         reached = more
 
 
-def is_holonomic(base: WheelBase) -> bool:
+def is_holonomic(base: ConstrainedBase) -> bool:
     """Whether the sliding constraints are integrable: they hold poses back, or nothing, but not velocities alone.
 
     So it is where the base reaches no more than it can move at once, `degrees_of_freedom` = dm (Siegwart & Nourbakhsh

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from holonom.errors import InputError, OutOfLimits
+from holonom.mobile.base.protocol import ConstrainedBase
 from holonom.mobile.evaluation import samples
-
-if TYPE_CHECKING:
-    from holonom.mobile.base.wheel_base import WheelBase
 
 __all__ = ["beyond_steering", "dragged_wheel", "undetermined"]
 
 Array = NDArray[np.float64]
 
 
-def dragged_wheel(base: WheelBase, twist: ArrayLike, steering: ArrayLike | None, drag: Array) -> OutOfLimits:
+def dragged_wheel(base: ConstrainedBase, twist: ArrayLike, steering: ArrayLike | None, drag: Array) -> OutOfLimits:
     """Name the wheel that is dragged fastest, given how fast any is (..., columns), m/s."""
     worst = np.abs(drag).max(axis=-1)
     row = np.unravel_index(int(worst.argmax()), worst.shape)
@@ -34,7 +31,7 @@ def dragged_wheel(base: WheelBase, twist: ArrayLike, steering: ArrayLike | None,
     )
 
 
-def beyond_steering(base: WheelBase, steering: Array, limits: list[float]) -> OutOfLimits | None:
+def beyond_steering(base: ConstrainedBase, steering: Array, limits: list[float]) -> OutOfLimits | None:
     """Name the first steering angle (..., k) that exceeds its limit, rad; None if none does."""
     for k, (limit, name) in enumerate(zip(limits, base.steered, strict=True)):
         if limit < math.pi / 2 and (most := np.abs(steering[..., k]).max(initial=0.0)) > limit + 1e-9:
@@ -45,7 +42,7 @@ def beyond_steering(base: WheelBase, steering: Array, limits: list[float]) -> Ou
     return None
 
 
-def undetermined(base: WheelBase) -> InputError:
+def undetermined(base: ConstrainedBase) -> InputError:
     """Say that the driven speeds leave the twist open."""
     return InputError(
         f"speeds of {', '.join(base.driven)} do not determine the twist of base {base.name!r}"

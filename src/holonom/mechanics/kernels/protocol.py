@@ -1,0 +1,60 @@
+"""What the code below `Arm` knows of an arm: its model, limits and compiled equations, but not the class."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from holonom.mechanics.kernels.closed_form import ClosedForm
+from holonom.model import ArmModel
+from holonom.trace import Kernel
+
+__all__ = ["Limits", "SolvedArm"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Joint limits as arrays (n,): rad, rad/s, rad/s2, N m (m, m/s, ... for prismatic joints)."""
+
+    names: tuple[str, ...]
+    lower: Array
+    upper: Array
+    speed: Array
+    acceleration: Array
+    torque: Array
+
+
+class SolvedArm(Protocol):
+    """An arm as the solvers see it; `Arm` is one."""
+
+    model: ArmModel
+    n: int
+
+    def fk(self, q: ArrayLike, /) -> Array:
+        """T_wt (..., 4, 4)."""
+
+    def jacobian(self, q: ArrayLike, /) -> Array:
+        """J (..., 6, n) in the world."""
+
+    def ik(self, T: ArrayLike, /) -> Any:
+        """All branches of the closed form."""
+
+    @property
+    def limits(self) -> Limits:
+        """Joint limits as arrays."""
+
+    @property
+    def prepared(self) -> Any:
+        """What is made once for it: `prepared[build, *options]`."""
+
+    @property
+    def closed_form(self) -> ClosedForm | None:
+        """Its closed-form inverse, if there is one."""
+
+    def kernel(self, name: str, **options: Any) -> Kernel:
+        """Return a compiled equation of the table."""
