@@ -67,4 +67,4 @@ def test_rooms_are_small() -> None:
 
 def test_gravity_is_stated_once() -> None:
     stated = [name for name, file in MODULES.items() if re.search(r"\b9\.8\d*\b", file.read_text("utf-8"))]
-    assert stated == ["holonom.constants"], stated
+    assert stated == ["holonom.model.gravity"], stated

@@ -18,6 +18,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
+
 __all__ = [
     "TOPICS",
     "BaseCommand",
@@ -41,8 +43,6 @@ __all__ = [
     "Topic",
     "WheelContact",
 ]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

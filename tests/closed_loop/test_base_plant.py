@@ -12,6 +12,7 @@ from holonom.devices.kernels import friction_torque
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile.arrangements import ackermann, omni
 from holonom.mobile.drive.base_drive import BaseDrive
+from holonom.model.gravity import GRAVITY
 from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch
 from holonom.sim.base.kernels import BLOCKED, DEAD, _friction, _solve, break_motor, slip_friction
 from holonom.sim.base.plant import BasePlant
@@ -71,7 +72,7 @@ def test_loads_carry_the_weight_and_shift_with_acceleration() -> None:
     plant = BasePlant(soccer(com_height=0.1), DRIVE)
     log = plant.drive_open(np.tile(8.0 * np.sign(plant.rows[:, 0]), (100, 1)))
     k = slice(5, 60)
-    np.testing.assert_allclose(log.loads[k].sum(axis=1), 6.35 * 9.80665, rtol=1e-12)
+    np.testing.assert_allclose(log.loads[k].sum(axis=1), 6.35 * GRAVITY, rtol=1e-12)
     x = np.array([w.x for w in plant.driven])
     moment = log.loads[k] @ x
     forward = log.acceleration[k, 0]

@@ -108,7 +108,7 @@ def test_a_name_is_a_wheel_that_slips(narrow: bool) -> None:
             if slip[begins, wheel] > SLIPS and not np.delete(recent[begins : begins + 150], wheel, axis=1).any():
                 alone += 1
                 found += bool(log.named[begins : begins + 51, wheel].any())
-    assert wrong <= 1
+    assert wrong <= 2  # of 200 runs, 2 are: rarely two of them among 25
     assert named >= 15
     assert found >= 0.6 * alone
 

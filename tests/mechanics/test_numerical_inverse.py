@@ -329,7 +329,7 @@ def test_bad_input_is_named(panda):
     T, q = panda.fk(inside(panda, np.full(7, 0.5))), inside(panda, np.full(7, 0.5))
     with pytest.raises(NotAPose, match="rotation"):
         solve_inverse(panda, np.diag([1.0, 1.0, 1.1, 1.0]))
-    with pytest.raises(ShapeError, match=r"q0 must be of shape \(\.\.\., 7\)"):
+    with pytest.raises(ShapeError, match=r"q0 has shape \(1,\); \(\.\.\., 7\)"):
         solve_inverse(panda, T, [0.0])
     spoilt = np.where(np.arange(7) == 2, np.nan, q)
     for start in (spoilt, spoilt.tolist()):

@@ -365,7 +365,7 @@ def test_bad_input(puma: Arm) -> None:
         simulate(puma, None, Q0, STILL, -1.0)
     with pytest.raises(OutOfLimits, match="every is 0"):
         simulate(puma, None, Q0, STILL, 1.0, every=0)
-    with pytest.raises(ShapeError, match=r"q0 has shape \(5,\); \(6,\)"):
+    with pytest.raises(ShapeError, match=r"q0 has shape \(5,\); \(\.\.\., 6\)"):
         simulate(puma, None, Q0[:5], STILL, 1.0)
     spoilt = np.where(np.arange(6) == 4, np.nan, Q0)
     with pytest.raises(ShapeError, match=r"q0\[4\] is nan; finite"):

@@ -7,10 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from holonom.app.report import PhotoOverlay, Scene
+from holonom.arrays import Array
 from holonom.lang import Part, Program
 from holonom.machine import BaseSettings, ControlSettings, Levels, LineSettings, ReferencePath
 from holonom.mechanics import Arm
@@ -18,8 +16,6 @@ from holonom.mobile import BaseDrive, BaseSensors, WheelBase
 from holonom.sim import BaseFault, Disc, Floor, Gripper, Ground, Surface
 
 __all__ = ["ArmJob", "BaseJob", "FieldPlace", "Job", "Mount", "Obstacle", "SensorJob", "SignalEvent", "Task"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

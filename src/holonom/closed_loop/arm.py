@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.closed_loop.arm_loop import ArmLoop
 from holonom.closed_loop.ideal_arm import IdealArm
 from holonom.machine.arm.machine import ArmMachine
@@ -27,7 +27,6 @@ from holonom.sim.arm.world import Fingers
 
 __all__ = ["SimulatedArm", "SimulatedHand"]
 
-Array = NDArray[np.float64]
 Frame = Callable[[], Array]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.devices.drive_signals import JointSignals
 from holonom.machine.arm.kernels import STOP, servo_step
 from holonom.machine.arm.records import ServoTiming
@@ -14,7 +15,6 @@ from holonom.trace.code.loops import loop
 
 __all__ = ["run_reference"]
 
-Floats = NDArray[np.float64]
 Records = NDArray[np.void]
 
 
@@ -27,13 +27,13 @@ def run_reference(
     model: int,
     servos: Records,
     servo_states: Records,
-    law: Floats,
+    law: Array,
     plant: int,
     dt: float,
     drives: Records,
     drive_states: Records,
-    work: Floats,
-    reference: Floats,
+    work: Array,
+    reference: Array,
 ) -> tuple[int, int, int, float]:
     """Drive all axes along reference samples (3, ticks, n), one for each step of the position loops.
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from holonom.arrays import Array, finite_array, whole_number
 from holonom.closed_loop.arm_kernels import run_reference
 from holonom.closed_loop.reference import checked_reference
 from holonom.devices import Encoder, Gear
@@ -15,11 +16,8 @@ from holonom.machine.arm.servos import STEP, ArmServos, ControlSettings, joint_f
 from holonom.mechanics import Arm
 from holonom.model import Joint
 from holonom.sim.arm.plant import ArmPlant, AxisDrive, Ground
-from holonom.trace.real import finite_array, whole_number
 
 __all__ = ["ArmLoop", "Measured", "Truth", "drives_of"]
-
-Array = NDArray[np.float64]
 
 
 class Measured(NamedTuple):

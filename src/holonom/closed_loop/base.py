@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import whole_number
 from holonom.closed_loop.base_kernels import LogBuffer, joined, run_logged, run_ticks
 from holonom.closed_loop.base_log import BaseLog, log_of
 from holonom.errors import ModelError
@@ -24,11 +25,9 @@ from holonom.sim.base.floor import Floor
 from holonom.sim.base.plant import TICK, BaseFault, BasePlant
 from holonom.sim.base.records import BODY_SAMPLE, WHEEL_SAMPLE
 from holonom.trace.code.simd import WIDTH
-from holonom.trace.real import whole_number
 
 __all__ = ["BaseLoop", "DrivenPart", "simulate_base"]
 
-Array = NDArray[np.float64]
 
 SLOWEST = 0.2  # part of the path's speed below which a run is cut off
 PIECE = 4000  # ms of a run at once

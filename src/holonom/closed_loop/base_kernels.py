@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.devices.drive_signals import WheelSignals
 from holonom.machine.base.kernels import RUNNING, control_step, path_ending, say
 from holonom.machine.base.params import BaseParams, BaseTask, Work
@@ -23,7 +24,6 @@ from holonom.trace.code.loops import loop
 
 __all__ = ["LogBuffer", "joined", "run_logged", "run_ticks"]
 
-Floats = NDArray[np.float64]
 Records = NDArray[np.void]
 
 
@@ -33,7 +33,7 @@ class LogBuffer(NamedTuple):
     body: Records  # (N,) BODY_SAMPLE
     wheels: Records  # (N, n) WHEEL_SAMPLE
     said: Records  # (N,) CONTROL_SAMPLE
-    seen: Floats  # (N, 4, 4 n) SEEN_WHEEL_SAMPLE
+    seen: Array  # (N, 4, 4 n) SEEN_WHEEL_SAMPLE
 
     def part(self, first: int, last: int) -> LogBuffer:
         """Return its milliseconds from one up to another, on the same memory."""
@@ -62,7 +62,7 @@ def run_logged(
     plant: BasePlantParams,
     body: Records,
     wheels: Records,
-    noise: Floats,
+    noise: Array,
     log: LogBuffer,
 ) -> int:
     """Drive on until the log is full or the path ends, which `control` then says; return the milliseconds it took."""
@@ -92,7 +92,7 @@ def run_ticks(
     plant: BasePlantParams,
     body: Records,
     wheels: Records,
-    noise: Floats,
+    noise: Array,
 ) -> None:
     """Drive on for as many milliseconds as `noise` has rows; a base at the end of its path holds."""
     params, task, signals, work, plant = borrowed((params, task, signals, work, plant))

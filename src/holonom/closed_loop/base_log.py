@@ -8,14 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.closed_loop.base_kernels import LogBuffer
 from holonom.closed_loop.base_words import BaseWords
 from holonom.signals import Event
 from holonom.sim.base.log import columns, truth_of
 
 __all__ = ["BaseLog", "log_of"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.mobile import SlipStatus
 from holonom.signals import Event
 
@@ -14,7 +15,6 @@ __all__ = ["BaseWords"]
 
 PAUSE = 200  # ms of silence after which no wheel slips any more
 GRIP = 50  # ms of grip after which a wheel has stopped slipping
-Array = NDArray[np.float64]
 
 
 class BaseWords:

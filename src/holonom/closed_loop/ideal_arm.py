@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, whole_number
 from holonom.closed_loop.arm_loop import Measured, Truth
 from holonom.closed_loop.reference import checked_reference
 from holonom.control import AxisLimits, Violation, drive_fault
@@ -12,11 +13,8 @@ from holonom.control.kernels import axis_violation
 from holonom.machine.arm.servos import ControlSettings
 from holonom.mechanics import Arm
 from holonom.mechanics.motion.trajectory import joint_vector
-from holonom.trace.real import whole_number
 
 __all__ = ["IdealArm"]
-
-Array = NDArray[np.float64]
 
 
 class IdealArm:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import real_array
 from holonom.errors import LevelFault, ShapeError
 from holonom.mechanics import Arm
-from holonom.trace.real import real_array
 
 __all__ = ["checked_reference"]
 

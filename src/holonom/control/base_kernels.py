@@ -10,8 +10,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.trace.code.compiled import select, sincos
 from holonom.trace.code.loops import loop
 
@@ -41,7 +41,6 @@ __all__ = [
     "within_slip",
 ]
 
-Floats = NDArray[np.float64]
 
 WORKS, OPEN, JAMMED = 0, 1, 2
 """What the watch says of a motor."""
@@ -115,7 +114,7 @@ class Suspicion(NamedTuple):
 
 @loop(error_model="numpy")
 def keeping_step(
-    params: KeepingParams, reference: Floats, pose: Planar, turn_rate: float, integral: Planar, before: Planar
+    params: KeepingParams, reference: Array, pose: Planar, turn_rate: float, integral: Planar, before: Planar
 ) -> tuple[Planar, Planar, Planar]:
     """Path keeping: the twist to command, the acceleration to feed forward (both in base_link), the next integral.
 
@@ -162,7 +161,7 @@ def keeping_step(
 
 @loop(error_model="numpy")
 def line_keeping_step(
-    params: KeepingParams, reference: Floats, pose: Planar, before: Planar
+    params: KeepingParams, reference: Array, pose: Planar, before: Planar
 ) -> tuple[Planar, Planar, Planar]:
     """`keeping_step` of a base that cannot move sideways: it turns towards the path instead; no integral.
 
@@ -201,7 +200,7 @@ def wanted_acceleration(params: KeepingParams, command: Planar, twist: Planar, a
 
 
 @loop(error_model="numpy")
-def allocation(rows: Floats, weights: Floats, out: Floats) -> None:
+def allocation(rows: Array, weights: Array, out: Array) -> None:
     """Fill `out` (m, 3): rim forces (N) per force and torque on the base, `f = W D (D^T W D)^-1 F`.
 
     The forces of least weighted square that make F; a wheel of weight 0 takes no part. With fewer than three
@@ -223,7 +222,7 @@ def allocation(rows: Floats, weights: Floats, out: Floats) -> None:
 
 
 @loop(error_model="numpy")
-def force_part(share: Floats, wanted: Planar, limit: float) -> float:
+def force_part(share: Array, wanted: Planar, limit: float) -> float:
     """Part (0 to 1) of a wanted force (N, N, N m) that no wheel needs more than `limit` (N) for."""
     worst = limit
     for i in range(share.shape[0]):
@@ -232,7 +231,7 @@ def force_part(share: Floats, wanted: Planar, limit: float) -> float:
 
 
 @loop(error_model="numpy")
-def feasible_rate(share: Floats, reference: Floats, first: int, mass: float, inertia: float, limit: float) -> float:
+def feasible_rate(share: Array, reference: Array, first: int, mass: float, inertia: float, limit: float) -> float:
     """Part (0 to 1) of its speed at which the rest of a reference (N, 9) can be driven with forces up to `limit` (N).
 
     Driven at a rate r, a path needs r^2 of its accelerations.
@@ -245,7 +244,7 @@ def feasible_rate(share: Floats, reference: Floats, first: int, mass: float, ine
 
 
 @loop(error_model="numpy")
-def reference_at(reference: Floats, phase: float, rate: float, change: float, out: Floats) -> None:
+def reference_at(reference: Array, phase: float, rate: float, change: float, out: Array) -> None:
     """Fill `out` (9,) with a reference (N, 9) at a phase in samples that advances by `rate`, which changes (1/s)."""
     k = min(int(phase), reference.shape[0] - 1)
     after = min(k + 1, reference.shape[0] - 1)
@@ -260,9 +259,9 @@ def reference_at(reference: Floats, phase: float, rate: float, change: float, ou
 @loop(error_model="numpy")
 def estimate_step(
     params: EstimateParams,
-    rows: Floats,
-    weights: Floats,
-    rims: Floats,
+    rows: Array,
+    weights: Array,
+    rims: Array,
     twist: Planar,
     bias: float,
     rate: float,
@@ -314,7 +313,7 @@ def pose_step(pose: Planar, twist: Planar, dt: float) -> Planar:
 
 
 @loop(error_model="numpy")
-def ground_speed(rows: Floats, wheel: int, twist: Planar) -> float:
+def ground_speed(rows: Array, wheel: int, twist: Planar) -> float:
     """Rim speed (m/s) of a wheel that does not slip while the base has a twist."""
     return rows[wheel, 0] * twist.x + rows[wheel, 1] * twist.y + rows[wheel, 2] * twist.turn
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.control.base_kernels import Planar
 from holonom.control.uncertainty_kernels import (
     CONSTANTS,
@@ -19,8 +20,6 @@ from holonom.errors import OutOfLimits, ShapeError
 from holonom.trace.code.loops import loop
 
 __all__ = ["PoseUncertainty", "UncertaintySettings", "covariance_along"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,15 +5,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from holonom.arrays import Array
 from holonom.control.base_kernels import Planar
 from holonom.trace.code.loops import loop
 
 __all__ = ["AxisShape", "ShapingParams", "drivable_twist", "shaping_step"]
-
-Floats = NDArray[np.float64]
 
 
 class AxisShape(NamedTuple):
@@ -35,7 +31,7 @@ class ShapingParams(NamedTuple):
 
 
 @loop(error_model="numpy")
-def drivable_twist(drivable: Floats, rows: Floats, twist: Planar, max_rim: float) -> Planar:
+def drivable_twist(drivable: Array, rows: Array, twist: Planar, max_rim: float) -> Planar:
     """Nearest twist that drags no wheel (`drivable` (3, 3) projects), no faster than the wheels reach (m/s)."""
     x = drivable[0, 0] * twist.x + drivable[0, 1] * twist.y + drivable[0, 2] * twist.turn
     y = drivable[1, 0] * twist.x + drivable[1, 1] * twist.y + drivable[1, 2] * twist.turn

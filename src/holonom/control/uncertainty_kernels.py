@@ -11,16 +11,13 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from holonom.arrays import Array
 from holonom.control.base_kernels import Planar
 from holonom.trace.code.compiled import sincos
 from holonom.trace.code.loops import loop
 
 __all__ = ["CONSTANTS", "UncertaintyParams", "pose_covariance", "start_uncertainty", "uncertainty_step"]
 
-Floats = NDArray[np.float64]
 
 CONSTANTS = 9
 """Unknown constants: the gyro's zero; two of the accelerometers'; creep by drag and by push; wheels' size; turning by
@@ -50,7 +47,7 @@ class UncertaintyParams(NamedTuple):
 
 
 @loop(error_model="numpy")
-def start_uncertainty(params: UncertaintyParams, constants: Floats, noise: Floats) -> None:
+def start_uncertainty(params: UncertaintyParams, constants: Array, noise: Array) -> None:
     """Fill `constants` (4, 9) and `noise` (3, 3) with those of a base that stands at a pose it knows."""
     constants[:] = 0.0
     constants[3, ZERO] = params.gyro_bias
@@ -61,7 +58,7 @@ def start_uncertainty(params: UncertaintyParams, constants: Floats, noise: Float
 
 @loop(error_model="numpy")
 def uncertainty_step(
-    params: UncertaintyParams, constants: Floats, noise: Floats, heading: float, twist: Planar, acceleration: Planar
+    params: UncertaintyParams, constants: Array, noise: Array, heading: float, twist: Planar, acceleration: Planar
 ) -> None:
     """Carry both a sample further, at a heading (rad) and with a twist and acceleration (base_link)."""
     dt = params.dt
@@ -100,7 +97,7 @@ def uncertainty_step(
 
 @loop(error_model="numpy")
 def pose_covariance(
-    params: UncertaintyParams, constants: Floats, noise: Floats, heading: float, twist: Planar, out: Floats
+    params: UncertaintyParams, constants: Array, noise: Array, heading: float, twist: Planar, out: Array
 ) -> None:
     """Fill `out` (3, 3), m^2, m rad, rad^2, with the covariance of the pose while the base moves with a twist.
 
@@ -120,7 +117,7 @@ def pose_covariance(
 
 
 @loop(error_model="numpy")
-def _carry(P: Floats, by_x: float, by_y: float) -> None:
+def _carry(P: Array, by_x: float, by_y: float) -> None:
     """`P <- F P F^T` with F the identity and a heading's effect on x and y beside it."""
     xt, yt, t = P[0, 2], P[1, 2], P[2, 2]
     P[0, 0] += by_x * (2.0 * xt + by_x * t)

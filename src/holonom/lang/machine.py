@@ -5,12 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Literal, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
+from holonom.arrays import Array
 
 __all__ = ["Array", "Configuration", "Machine", "Motion", "MotionKind", "Part", "Tolerance"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,12 +7,9 @@ from __future__ import annotations
 
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
+from holonom.arrays import Array
 
 __all__ = ["ArmDrives", "Hand"]
-
-Array = NDArray[np.float64]
 
 
 class ArmDrives(Protocol):

@@ -6,13 +6,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.machine.base.controller import BaseController
 
 __all__ = ["Group", "planar_pose"]
-
-Array = NDArray[np.float64]
 
 
 def planar_pose(pose: ArrayLike) -> Array:

@@ -11,14 +11,13 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, finite_array, real_array, whole_number
 from holonom.errors import OutOfLimits, ShapeError, UnknownName
-from holonom.trace.real import finite_array, real_array, whole_number
 
 __all__ = ["INTERPOLATIONS", "LevelState", "Levels", "PointBuffer", "interpolate"]
 
-Array = NDArray[np.float64]
 
 GRID = 5e-4
 """Periods are multiples of this, s: the sample time of the speed loops."""

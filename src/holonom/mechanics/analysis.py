@@ -10,8 +10,9 @@ from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, real_array
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.equations.vectors import Vector, add, cross, matvec
@@ -28,7 +29,7 @@ from holonom.mechanics.loops.decomposition import (
     singularities_at,
 )
 from holonom.numeric import svd
-from holonom.trace import Number, compile, real_array
+from holonom.trace import Number, compile
 
 __all__ = [
     "Ellipsoid",
@@ -46,7 +47,6 @@ __all__ = [
     "velocity_ellipsoid",
 ]
 
-Array = NDArray[np.float64]
 Part = Literal["all", "translation", "rotation"]
 
 

@@ -8,8 +8,9 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.equations.dynamics.inertia import fixed_to_body
 from holonom.mechanics.kernels.results import (
@@ -39,8 +40,6 @@ __all__ = [
     "with_payload",
     "with_rotors",
 ]
-
-Array = NDArray[np.float64]
 
 
 def inverse_dynamics_derivatives(

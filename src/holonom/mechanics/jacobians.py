@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.kernels.results import AnalyticJacobian
 
 __all__ = ["AnalyticJacobian", "acceleration_bias", "analytic_jacobian", "jacobian_hessian", "jacobian_rate"]
-
-Array = NDArray[np.float64]
 
 
 def jacobian_rate(arm: Arm, q: ArrayLike, qd: ArrayLike, frame: str = "world", *, threads: int = 1) -> Array:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from holonom.arrays import Array, real_array
 from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mechanics.arm.nearest import joint_vectors
 from holonom.mechanics.equations.criteria import CRITERIA, Criterion
@@ -19,14 +20,13 @@ from holonom.mechanics.kernels.pose import multipliers_kernel
 from holonom.mechanics.kernels.protocol import SolvedArm
 from holonom.model import ArmModel
 from holonom.spatial import check_pose
-from holonom.trace import check_threads, real_array, share
+from holonom.trace import check_threads, share
 
 if TYPE_CHECKING:
     from holonom.mechanics.loops.solver import Chain, Search
 
 __all__ = ["InverseResult", "InverseSolver", "InverseStatus", "inverse_solver", "solve_inverse"]
 
-Array = NDArray[np.float64]
 LEAST_CHUNK, CHUNKS = 64, 8
 """Poses that a thread takes at a time, at least; else a share of the batch, so that hard poses spread over threads."""
 

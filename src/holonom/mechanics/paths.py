@@ -14,8 +14,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.errors import InputError, ShapeError
 from holonom.mechanics.arm.arm import Arm, IkResult, IkStatus
 from holonom.mechanics.arm.nearest import joint_vectors
@@ -23,7 +24,6 @@ from holonom.mechanics.kernels.inverse_geometry import LIMIT_TOLERANCE, REACHED,
 
 __all__ = ["BranchPath", "feasible_branches", "follow"]
 
-Array = NDArray[np.float64]
 JUMP = 0.5
 """Largest step of a joint between neighbouring poses (rad or m) that still counts as continuous."""
 TURN = 2.0 * np.pi

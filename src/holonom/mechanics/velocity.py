@@ -8,17 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from holonom.arrays import Array, real_array
 from holonom.errors import InputError, ShapeError
 from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.arm.nearest import joint_vectors
 from holonom.mechanics.loops.decomposition import Prepared, plan_of
 from holonom.mechanics.loops.velocity import AUTO, rates_of_one, rates_of_rows
 from holonom.spatial import check_pose
-from holonom.trace import real_array
 
 __all__ = ["PathResult", "follow_path", "joint_rates"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,11 +13,11 @@ from typing import TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
+from holonom.arrays import finite, vectors
 from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError
 from holonom.mobile.base.wheel import Wheel
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.base.wheel_set import positive
-from holonom.mobile.evaluation import finite, samples
 
 __all__ = [
     "Body", "ackermann", "ackermann_steering", "differential", "mecanum", "omni",
@@ -54,7 +54,7 @@ def differential(
         raise ModelError(f"differential has {radii.size} wheel radii; state one, or (left, right)")
     radii = np.broadcast_to(radii, (2,))
     third = float(radii.mean()) / 3.0
-    x, y = samples("castor", castor, 2).tolist() if castor is not None else (-track, 0.0)
+    x, y = vectors("castor", castor, 2).tolist() if castor is not None else (-track, 0.0)
     wheels = [
         Wheel.at("fixed", 0.0, 0.5 * track, radius=float(radii[0]), driven=True, name="left"),
         Wheel.at("fixed", 0.0, -0.5 * track, radius=float(radii[1]), driven=True, name="right"),
@@ -222,7 +222,7 @@ def swerve(
         positive("swerve", "track", track)
         places, called = np.array(_corners(wheelbase, track)), list(names or _CORNERS)
     else:
-        places = samples("positions", positions, 2).reshape(-1, 2)
+        places = vectors("positions", positions, 2).reshape(-1, 2)
         called = list(names or (f"module {k + 1}" for k in range(len(places))))
     if len(called) != len(places):
         raise ModelError(f"swerve has {len(places)} wheels and {len(called)} names; state one for each")

@@ -3,83 +3,23 @@
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, vectors
 from holonom.errors import ShapeError
 from holonom.trace import Kernel, check_threads, compile
 from holonom.trace.line.arrays import ArrayEquation, on_arrays
 
-__all__ = ["BaseEquation", "finite", "is_finite", "is_number", "numbers", "product", "samples", "shown", "written"]
+__all__ = ["BaseEquation", "product", "written"]
 
-Array = NDArray[np.float64]
 COMPILE_FROM = 512
 """Samples, over all calls, from which on a kernel is compiled: a base asked a few times costs no compilation."""
 CALL = 16
 """Samples that a call counts for at least: a loop that calls for one sample each is compiled after 32 calls."""
-
-
-def is_number(value: object) -> bool:
-    """Whether a single value is a real number; True and False are none."""
-    return isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
-
-
-def is_finite(value: object) -> bool:
-    """Whether a single value is a real number, neither NaN nor infinite."""
-    return is_number(value) and math.isfinite(value)  # type: ignore[arg-type]
-
-
-def shown(value: object) -> str:
-    """How a refusal shows what came: a number plainly, anything else as it would be typed."""
-    return str(value) if is_number(value) else repr(value)
-
-
-def samples(name: str, value: ArrayLike, width: int) -> Array:
-    """Return `value` as a float array (..., width) of finite numbers.
-
-    Raises
-    ------
-    ShapeError
-        The wrong last axis, no numbers, NaN or infinity: says where.
-    """
-    array = numbers(name, value)
-    if array.ndim == 0 or array.shape[-1] != width:
-        raise ShapeError(f"{name} has shape {array.shape}; (..., {width}) is needed")
-    if not np.isfinite(array).all():
-        *row, slot = (int(k) for k in np.argwhere(~np.isfinite(array))[0])
-        place = f" in row {tuple(row)}" if row else ""
-        raise ShapeError(f"{name}[{slot}] is {array[(*row, slot)]}{place}; finite numbers are needed")
-    return array
-
-
-def finite(name: str, value: ArrayLike) -> Array:
-    """Return `value` as a float array of any shape that holds finite numbers.
-
-    Raises
-    ------
-    ShapeError
-    """
-    array = numbers(name, value)
-    if not np.isfinite(array).all():
-        raise ShapeError(f"{name} holds {array[~np.isfinite(array)].flat[0]}; finite numbers are needed")
-    return array
-
-
-def numbers(name: str, value: ArrayLike) -> Array:
-    """Return `value` as a float array of any shape; NaN and infinity pass.
-
-    Raises
-    ------
-    ShapeError
-    """
-    try:
-        return np.asarray(value, dtype=np.float64)
-    except (TypeError, ValueError) as problem:
-        raise ShapeError(f"{name} holds something that is not a number: {problem}") from None
 
 
 def written(result: Array, out: Array | None) -> Array:
@@ -129,7 +69,7 @@ class BaseEquation:
         if self._asked >= COMPILE_FROM:
             return self._batch(arrays, out, threads)
         check_threads(threads)
-        given = [samples(n, a, w) for (n, w), a in zip(self.inputs.items(), arrays, strict=True)]
+        given = [vectors(n, a, w) for (n, w), a in zip(self.inputs.items(), arrays, strict=True)]
         try:
             lead = np.broadcast_shapes(*(a.shape[:-1] for a in given))
         except ValueError:

@@ -7,17 +7,15 @@ batches. Headings are not wrapped, so that turns add up; `wrapped` brings an ang
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, finite, vectors
 from holonom.errors import ShapeError
-from holonom.mobile.evaluation import finite, samples
 
 __all__ = [
     "compose", "exponential", "integrated", "inverse", "logarithm", "moved", "relative", "twist_in_robot",
     "twist_in_world", "wrapped",
 ]  # fmt: skip
-
-Array = NDArray[np.float64]
 
 
 def exponential(motion: ArrayLike) -> Array:
@@ -29,7 +27,7 @@ def exponential(motion: ArrayLike) -> Array:
     ----------
     motion : (..., 3) twist times time: m, m, rad.
     """
-    xi = samples("motion", motion, 3)
+    xi = vectors("motion", motion, 3)
     half = 0.5 * xi[..., 2]
     chord = np.sinc(half / np.pi)
     return np.stack([*_turned(xi[..., 0] * chord, xi[..., 1] * chord, half), xi[..., 2]], axis=-1)
@@ -37,7 +35,7 @@ def exponential(motion: ArrayLike) -> Array:
 
 def logarithm(pose: ArrayLike) -> Array:
     """Motion (..., 3) whose `exponential` is the pose: one constant twist times its time; turns in (-pi, pi]."""
-    p = samples("pose", pose, 3)
+    p = vectors("pose", pose, 3)
     turn = wrapped(p[..., 2])
     half = 0.5 * turn
     x, y = _turned(p[..., 0], p[..., 1], -half)
@@ -47,28 +45,28 @@ def logarithm(pose: ArrayLike) -> Array:
 
 def compose(a: ArrayLike, b: ArrayLike) -> Array:
     """Pose b, given in the frame of pose a, in the frame of a: T_ac = T_ab T_bc."""
-    p, q = samples("a", a, 3), samples("b", b, 3)
+    p, q = vectors("a", a, 3), vectors("b", b, 3)
     x, y = _turned(q[..., 0], q[..., 1], p[..., 2])
     return np.stack(np.broadcast_arrays(p[..., 0] + x, p[..., 1] + y, p[..., 2] + q[..., 2]), axis=-1)
 
 
 def inverse(pose: ArrayLike) -> Array:
     """Pose of the world seen from the robot: T_ba from T_ab."""
-    p = samples("pose", pose, 3)
+    p = vectors("pose", pose, 3)
     x, y = _turned(-p[..., 0], -p[..., 1], -p[..., 2])
     return np.stack([x, y, -p[..., 2]], axis=-1)
 
 
 def relative(a: ArrayLike, b: ArrayLike) -> Array:
     """Pose b seen from pose a, both given in one frame: T_ab = T_wa^-1 T_wb; the turn is not wrapped."""
-    p, q = samples("a", a, 3), samples("b", b, 3)
+    p, q = vectors("a", a, 3), vectors("b", b, 3)
     x, y = _turned(q[..., 0] - p[..., 0], q[..., 1] - p[..., 1], -p[..., 2])
     return np.stack(np.broadcast_arrays(x, y, q[..., 2] - p[..., 2]), axis=-1)
 
 
 def moved(pose: ArrayLike, twist: ArrayLike, dt: ArrayLike) -> Array:
     """Pose (..., 3) after a constant twist (..., 3) for `dt` seconds (...)."""
-    return compose(pose, exponential(_driven(samples("twist", twist, 3), dt)))
+    return compose(pose, exponential(_driven(vectors("twist", twist, 3), dt)))
 
 
 def integrated(start: ArrayLike, twists: ArrayLike, dt: ArrayLike) -> Array:
@@ -84,7 +82,7 @@ def integrated(start: ArrayLike, twists: ArrayLike, dt: ArrayLike) -> Array:
     ------
     ShapeError
     """
-    first, xi = samples("start", start, 3), samples("twists", twists, 3)
+    first, xi = vectors("start", start, 3), vectors("twists", twists, 3)
     if xi.ndim < 2:
         raise ShapeError(f"twists has shape {xi.shape}; (..., n, 3) is needed, one row per step")
     steps = exponential(_driven(xi, dt))
@@ -98,7 +96,7 @@ def twist_in_robot(twist: ArrayLike, heading: ArrayLike) -> Array:
 
     A robot that heads along +y and moves towards +y of the world moves forwards.
     """
-    xi, theta = samples("twist", twist, 3), finite("heading", heading)
+    xi, theta = vectors("twist", twist, 3), finite("heading", heading)
     return np.stack(np.broadcast_arrays(*_turned(xi[..., 0], xi[..., 1], -theta), xi[..., 2]), axis=-1)
 
 

@@ -7,19 +7,17 @@ base_link, the centripetal one included. It tips where the zero-moment point lea
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, finite, is_finite, shown, vectors
 from holonom.errors import InputError, ModelError, OutOfLimits
 from holonom.mobile.base.wheel_base import WheelBase
-from holonom.mobile.evaluation import finite, is_finite, samples, shown
+from holonom.model.gravity import GRAVITY
 
 __all__ = [
     "acceleration_limit", "contact_points", "dynamic_margin", "lateral_limit", "static_margin", "support_polygon",
     "turning_speed", "wheel_loads", "zero_moment_point",
 ]  # fmt: skip
-
-Array = NDArray[np.float64]
-GRAVITY = 9.81
 
 
 def contact_points(base: WheelBase, castors: ArrayLike | None = None) -> Array:
@@ -30,7 +28,7 @@ def contact_points(base: WheelBase, castors: ArrayLike | None = None) -> Array:
     castors : (..., castors) rad that the castors have turned from their `beta`; None: nothing.
     """
     trailing = [k for k, w in enumerate(base.wheels) if w.kind == "castor"]
-    turned = np.zeros(len(trailing)) if castors is None else samples("castors", castors, len(trailing))
+    turned = np.zeros(len(trailing)) if castors is None else vectors("castors", castors, len(trailing))
     points = np.tile(np.array([(w.x, w.y) for w in base.wheels]), (*turned.shape[:-1], 1, 1))
     for slot, k in enumerate(trailing):
         wheel = base.wheels[k]
@@ -71,7 +69,7 @@ def static_margin(base: WheelBase, com: ArrayLike | None = None, *, castors: Arr
     ----------
     com : (..., 2) m in base_link, such as that of the base with its load; None: the base's.
     """
-    point = base.com if com is None else samples("com", com, 2)
+    point = base.com if com is None else vectors("com", com, 2)
     normals, offsets = _edges(support_polygon(base, castors))
     margin: Array = np.asarray((offsets - point @ normals.T).min(axis=-1))
     return margin
@@ -81,8 +79,8 @@ def zero_moment_point(
     base: WheelBase, acceleration: ArrayLike, *, com: ArrayLike | None = None, com_height: float | None = None
 ) -> Array:
     """Point (..., 2) of the floor through which the floor's force goes: com - height a / g."""
-    a = samples("acceleration", acceleration, 2)
-    point = base.com if com is None else samples("com", com, 2)
+    a = vectors("acceleration", acceleration, 2)
+    point = base.com if com is None else vectors("com", com, 2)
     return point - _height(base, com_height) / GRAVITY * a
 
 
@@ -111,7 +109,7 @@ def acceleration_limit(
     OutOfLimits
         The base tips at rest already.
     """
-    point = base.com if com is None else samples("com", com, 2)
+    point = base.com if com is None else vectors("com", com, 2)
     if np.min(static_margin(base, point, castors=castors)) < 0.0:
         raise OutOfLimits(
             f"base {base.name!r} tips at rest: its centre of mass {np.round(point, 6).tolist()} lies outside its "

@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.errors import ModelError, UnknownName
+from holonom.model.gravity import GRAVITY
 from holonom.model.joint_kinds import JOINT_KINDS
 
 __all__ = [
@@ -25,7 +26,6 @@ __all__ = [
     "constant_transform",
 ]
 
-Array = NDArray[np.float64]
 Transform = tuple[tuple[float, ...], ...]
 """A constant 4x4 pose as nested tuples, so that a model is hashable and its repr is complete."""
 
@@ -185,7 +185,7 @@ class ArmModel:
     tool: Transform = IDENTITY
     tip: int | None = None
     frames: tuple[Frame, ...] = ()
-    gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
+    gravity: tuple[float, float, float] = (0.0, 0.0, -GRAVITY)
     poses: Mapping[str, tuple[float, ...]] = field(default_factory=dict, hash=False)
     card: str = ""
     rotors: Rotors = "reflected"

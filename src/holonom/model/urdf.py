@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.errors import ModelError, UnknownName
 from holonom.model.arm import ArmModel, Body, Frame, Joint, Mimic, Motor, constant_transform
 from holonom.model.urdf_inertia import check_inertias, fixed_together
@@ -20,7 +20,6 @@ from holonom.model.urdf_xml import MAX_BYTES, Element, fault, parse_xml
 
 __all__ = ["arm_model_from_urdf", "read_urdf"]
 
-Array = NDArray[np.float64]
 CheckInertia = bool | Literal["warn"]
 
 

@@ -7,15 +7,14 @@ from collections.abc import Iterable, Sequence
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.model.arm import Body
 from holonom.model.urdf_parts import UrdfLink
 from holonom.model.urdf_xml import fault
 
 __all__ = ["check_inertias", "fixed_together"]
 
-Array = NDArray[np.float64]
 
 SLACK = 1e-9
 """Relative to the largest principal moment."""

@@ -7,14 +7,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.model.arm import Body, Friction, JointLimits
 from holonom.model.urdf_xml import Element, fault
 
 __all__ = ["UrdfJoint", "UrdfLink", "UrdfMimic", "read_joint", "read_link"]
 
-Array = NDArray[np.float64]
 
 KINDS = ("revolute", "continuous", "prismatic", "fixed")
 NOT_AN_ARM = ("floating", "planar")

@@ -15,9 +15,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from holonom.arrays import Array
 from holonom.trace.code.compiled import select
 from holonom.trace.code.loops import loop
 from holonom.trace.code.simd import any_of, chosen, largest, load, spread, store
@@ -38,7 +36,6 @@ __all__ = [
     "slot",
 ]
 
-Floats = NDArray[np.float64]
 MOST, COLUMN = 6, 8
 """Rows at most; numbers that a column takes."""
 FACTOR, SQUARE, RANK, ORDER, WEIGHT, RESULTS = range(6)
@@ -76,7 +73,7 @@ def slot(row: int, rows: int) -> int:
 
 
 @loop(error_model="numpy")
-def laid_out(A: Floats, room: Floats, more: int) -> float:
+def laid_out(A: Array, room: Array, more: int) -> float:
     """Write A (m, n), or its transpose if m > n, column by column to room, and clear as many more columns after it.
 
     The factors are set to 1, or 0 where there is no row. Returns the unit of the numbers in room: 1, unless those of A
@@ -123,7 +120,7 @@ def _next_second(x: Any, y: Any, pairs: int) -> Any:
 
 
 @loop(error_model="numpy", fastmath={"contract"})
-def orthogonalise(room: Floats, rows: int, columns: int, more: int) -> None:
+def orthogonalise(room: Array, rows: int, columns: int, more: int) -> None:
     """Rotate pairs of rows until all are orthogonal over the first columns, and the columns after these alike.
 
     Rows change places; their factors and the squares of their lengths, factors included, are written.
@@ -171,7 +168,7 @@ def orthogonalise(room: Floats, rows: int, columns: int, more: int) -> None:
 
 
 @loop(error_model="numpy")
-def ranked(room: Floats, results: int) -> None:
+def ranked(room: Array, results: int) -> None:
     """Write of each row how many are longer; results: the first column of results."""
     at = 2 * (results + SQUARE)
     x, y = load(room, at), load(room, at + 1)

@@ -8,14 +8,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.numeric.jacobi_kernels import MOST
 from holonom.numeric.svd_kernels import svd_of_rows, values_of_rows
 
 __all__ = ["singular_values", "svd"]
 
-Array = NDArray[np.float64]
 Three = tuple[Array, Array, Array]
 
 

@@ -10,8 +10,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.numeric.jacobi_kernels import (
     COLUMN,
     FACTOR,
@@ -41,7 +41,6 @@ __all__ = [
     "weights",
 ]
 
-Floats = NDArray[np.float64]
 ROOM = 512
 """Numbers on the stack for one configuration."""
 
@@ -53,7 +52,7 @@ def room_for(m: int, n: int) -> int:
 
 
 @loop(error_model="numpy")
-def decompose(A: Floats, room: Floats, s: Floats, turns: bool) -> int:
+def decompose(A: Array, room: Array, s: Array, turns: bool) -> int:
     """Factorise A (m, n), or its transpose if m > n, as R^T diag(s) Y, with s (k,), k = min(m, n), largest first.
 
     R (k, k) is orthogonal, the first rows of Y (k, n) are orthonormal. Returns how many of these there are: the other
@@ -83,7 +82,7 @@ def decompose(A: Floats, room: Floats, s: Floats, turns: bool) -> int:
 
 
 @loop(error_model="numpy")
-def rows_of_turns(room: Floats, columns: int, k: int, first: int, R: Floats) -> None:
+def rows_of_turns(room: Array, columns: int, k: int, first: int, R: Array) -> None:
     """Write rows of R from a first one on."""
     results = columns + k
     for i in range(first, k):
@@ -94,7 +93,7 @@ def rows_of_turns(room: Floats, columns: int, k: int, first: int, R: Floats) -> 
 
 
 @loop(error_model="numpy")
-def unit_rows(room: Floats, columns: int, more: int, count: int, Y: Floats) -> None:
+def unit_rows(room: Array, columns: int, more: int, count: int, Y: Array) -> None:
     """Write the first rows of Y; more: k if R was asked for, else 0."""
     results = columns + more
     for i in range(count):
@@ -105,7 +104,7 @@ def unit_rows(room: Floats, columns: int, more: int, count: int, Y: Floats) -> N
 
 
 @loop(error_model="numpy")
-def weights(room: Floats, columns: int, count: int) -> Any:
+def weights(room: Array, columns: int, count: int) -> Any:
     """Of each row in room 1 / |row|^2, and 0 of all but the first `count` in order; R was not asked for."""
     for at in range(COLUMN):
         room[COLUMN * (columns + WEIGHT) + at] = 0.0
@@ -118,7 +117,7 @@ def weights(room: Floats, columns: int, count: int) -> Any:
 
 
 @loop(error_model="numpy")
-def complete(Y: Floats, count: int) -> None:
+def complete(Y: Array, count: int) -> None:
     """Make the rows of a square matrix after the first ones orthonormal too: Gram-Schmidt, twice, of axes."""
     n = Y.shape[0]
     for row in range(count, n):
@@ -149,7 +148,7 @@ def complete(Y: Floats, count: int) -> None:
 
 
 @loop(error_model="numpy")
-def _svd(A: Floats, room: Floats, U: Floats, s: Floats, Vt: Floats) -> None:
+def _svd(A: Array, room: Array, U: Array, s: Array, Vt: Array) -> None:
     """A = U[:, :k] diag(s) Vt[:k], with U (m, m) and Vt (n, n) orthogonal."""
     k, columns = s.shape[0], max(A.shape)
     Y, R = (Vt, U) if A.shape[0] <= A.shape[1] else (U, Vt)
@@ -163,7 +162,7 @@ def _svd(A: Floats, room: Floats, U: Floats, s: Floats, Vt: Floats) -> None:
 
 
 @loop(nogil=True, error_model="numpy")
-def svd_of_rows(A: Floats, U: Floats, s: Floats, Vt: Floats) -> None:
+def svd_of_rows(A: Array, U: Array, s: Array, Vt: Array) -> None:
     """`svd` of each A (N, m, n): U (N, m, m), s (N, k), Vt (N, n, n)."""
     room = np.empty(room_for(*A.shape[1:]))
     for row in range(A.shape[0]):
@@ -171,7 +170,7 @@ def svd_of_rows(A: Floats, U: Floats, s: Floats, Vt: Floats) -> None:
 
 
 @loop(nogil=True, error_model="numpy")
-def values_of_rows(A: Floats, s: Floats) -> None:
+def values_of_rows(A: Array, s: Array) -> None:
     """Singular values s (N, k) of each A (N, m, n)."""
     room = np.empty(room_for(*A.shape[1:]))
     for row in range(A.shape[0]):

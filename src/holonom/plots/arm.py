@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.mechanics import Arm
 from holonom.plots.figure import COLORS, new_figure, saved
 from holonom.plots.skeleton import configurations, reach, sticks
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_arm", "draw_sticks", "room"]
 
-Array = NDArray[np.float64]
 _AXES = ("#C0392B", "#27AE60", "#2471A3")  # x, y, z
 
 

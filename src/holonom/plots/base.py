@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, vectors
 from holonom.errors import ModelError, ShapeError
 from holonom.mobile.base.centre import centre_of_twist
 from holonom.mobile.base.wheel import Wheel
 from holonom.mobile.base.wheel_base import WheelBase
-from holonom.mobile.evaluation import samples
 from holonom.mobile.stability import contact_points, support_polygon
 from holonom.plots.figure import COLORS, new_figure, saved
 
@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_base", "draw_base_on"]
 
-Array = NDArray[np.float64]
 _DRIVEN, _PASSIVE, _BODY = "#34495E", "#AEB6BF", "#F4F6F7"
 _AXLE, _CENTRE, _TWIST, _SUPPORT = COLORS[0], COLORS[1], COLORS[2], COLORS[3]
 _FAR = 3.0
@@ -70,7 +69,7 @@ def draw_base_on(
     names: bool = True,
 ) -> None:  # fmt: skip
     """Draw a base on given axes; see `draw_base`. The legend is the caller's."""
-    xi = None if twist is None else samples("twist", twist, 3)
+    xi = None if twist is None else vectors("twist", twist, 3)
     if xi is not None and xi.shape != (3,):
         raise ShapeError(f"twist has shape {xi.shape}; one twist (3,) is drawn")
     angles = _angles(base, xi, steering)
@@ -102,7 +101,7 @@ def draw_base_on(
 
 def _angles(base: WheelBase, xi: Array | None, steering: ArrayLike | None) -> Array:
     if steering is not None:
-        angles = samples("steering", steering, len(base.steered))
+        angles = vectors("steering", steering, len(base.steered))
         if angles.ndim != 1:
             raise ShapeError(f"steering has shape {angles.shape}; one set of angles ({len(base.steered)},) is drawn")
     elif xi is not None:

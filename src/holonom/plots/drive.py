@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from holonom.arrays import Array
 from holonom.errors import InputError, ShapeError
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.coupling import Coupling, coupling_of
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_effective_motors", "draw_envelopes", "draw_slip"]
 
-Array = NDArray[np.float64]
 _AROUND = np.linspace(0.0, 2.0 * np.pi, 721)
 
 

@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.mechanics import Arm
 from holonom.mechanics.analysis import Ellipsoid, force_ellipsoid, velocity_ellipsoid
 from holonom.plots.arm import draw_sticks, room
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_ellipsoids"]
 
-Array = NDArray[np.float64]
 _LONGEST = 20.0  # a force radius beyond this many times the shortest is drawn that long
 
 

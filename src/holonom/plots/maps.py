@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.errors import InputError, OutOfLimits, UnknownName
 from holonom.mechanics import Arm
 from holonom.mechanics.analysis import manipulability
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_manipulability", "draw_workspace"]
 
-Array = NDArray[np.float64]
 _PLANES = {"xy": (0, 1, 2), "xz": (0, 2, 1), "yz": (1, 2, 0)}
 _BATCH = 1 << 16
 

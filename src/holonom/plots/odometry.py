@@ -6,9 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from holonom.arrays import Array
 from holonom.errors import ShapeError
 from holonom.plots.figure import COLORS, new_figure, saved
 
@@ -17,7 +15,6 @@ if TYPE_CHECKING:
 
 __all__ = ["draw_odometry"]
 
-Array = NDArray[np.float64]
 
 SIDE, MOST = 3.2, 4  # inches of a panel, panels in a row
 

@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.errors import InputError, OutputError
 from holonom.mechanics import Arm
 from holonom.mechanics.motion import Trajectory
@@ -15,8 +16,6 @@ from holonom.plots.figure import COLORS
 from holonom.plots.skeleton import configurations, reach, sticks
 
 __all__ = ["arm_page"]
-
-Array = NDArray[np.float64]
 
 
 def arm_page(arm: Arm, q: ArrayLike | Trajectory, *, steps: int = 60, save: str | Path | None = None) -> Any:

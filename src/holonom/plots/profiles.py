@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.errors import ShapeError
 from holonom.mechanics.motion import JointLimits, Trajectory
@@ -17,8 +16,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["draw_profiles"]
-
-Array = NDArray[np.float64]
 
 
 def draw_profiles(

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.errors import ShapeError
 from holonom.mechanics import Arm
 
 __all__ = ["configurations", "reach", "sticks"]
-
-Array = NDArray[np.float64]
 
 
 def configurations(arm: Arm, q: ArrayLike) -> Array:

@@ -8,13 +8,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.spatial.poses import check_pose, pose
 
 __all__ = ["EulerAngles", "rpy_angles", "zyz_angles"]
 
-Array = NDArray[np.float64]
 DEGENERATE = 1e-9
 """Sine (ZYZ) or cosine (RPY) of the middle angle below which only a sum or difference of the others is defined."""
 

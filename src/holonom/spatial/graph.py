@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.errors import ModelError, UnknownName
 from holonom.spatial.poses import check_pose, inverse
 
 __all__ = ["PoseGraph"]
-
-Array = NDArray[np.float64]
 
 
 class PoseGraph:

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from holonom.arrays import Array
 from holonom.errors import NotAPose
 
 __all__ = ["RIGID", "check_pose", "inverse", "pose"]
 
-Array = NDArray[np.float64]
 RIGID = 1e-6
 """What an entry of R R^T may differ from the unit matrix's."""
 

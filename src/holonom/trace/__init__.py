@@ -25,6 +25,7 @@ Loops written by hand begin with `@loop` of `code.loops`; for them there are `co
 `code.simd` (four numbers as one).
 """
 
+from holonom.arrays import real_array
 from holonom.trace.call.threads import check_threads, share
 from holonom.trace.code.cache import CacheUse, cache_folder, cache_use, empty_cache
 from holonom.trace.kernel import Kernel, compile
@@ -41,7 +42,6 @@ from holonom.trace.line.functions import (
     sqrt,
 )
 from holonom.trace.line.graph import Condition, Graph, Number, Scalar
-from holonom.trace.real import real_array
 
 __all__ = [
     "CacheUse",

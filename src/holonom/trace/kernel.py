@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import real_array
 from holonom.errors import InputError, ShapeError
 from holonom.trace.call.threads import check_threads
 from holonom.trace.line.columns import Columns, columns_of
 from holonom.trace.line.graph import Graph, Scalar
 from holonom.trace.line.lanes import lanes_of
 from holonom.trace.line.straight import Field, operand, straight_line
-from holonom.trace.real import real_array
 from holonom.trace.text.emit import TAKEN, Parts, emit_block, emit_made, emit_pointer, emit_single
 from holonom.trace.text.generated import load_module
 

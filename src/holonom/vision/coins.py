@@ -6,15 +6,14 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.errors import ImageError
 from holonom.vision.background import Grey, Image, Mask, ground, lit_region
 from holonom.vision.outline import Outlines, polygon_moments, trace_outlines
 
 __all__ = ["Disc", "find_coins"]
 
-Floats = NDArray[np.float64]
 
 SEED_SIDE = 400  # longer side of the image in which seeds are sought, pixels
 RATIO = 1.12  # between the radii of seeds
@@ -38,7 +37,7 @@ class Disc:
     v: float
     area: float
     diameter: float
-    contour: Floats
+    contour: Array
 
 
 def find_coins(image: Grey, *, smallest: float = 0.04, largest: float = 0.22) -> tuple[Disc, ...]:
@@ -94,7 +93,7 @@ def _find(image: Grey, smallest: float, largest: float) -> list[Disc]:
     return _drawn(relief, inside, (seeds[:, :2] + 0.5) / scale - 0.5, seeds[:, 2] / scale)
 
 
-def _drawn(relief: Image, inside: Mask, centres: Floats, radii: Floats) -> list[Disc]:
+def _drawn(relief: Image, inside: Mask, centres: Array, radii: Array) -> list[Disc]:
     """Discs around the seeds, each outline drawn around the centre and size of the one before."""
     if not len(radii):
         return []
@@ -111,7 +110,7 @@ def _resize(image: Grey, scale: float) -> Grey:
     return cv2.resize(image, size, interpolation=method).astype(np.uint8)
 
 
-def _seeds(relief: Image, smallest: float, largest: float) -> Floats:
+def _seeds(relief: Image, smallest: float, largest: float) -> Array:
     """Circles (k, 3) that lie apart: u, v, radius in pixels."""
     count = 2 + int(np.log(largest / smallest) / np.log(RATIO))
     radii = 0.5 * SEED_SIDE * np.geomspace(smallest, largest, count)
@@ -124,7 +123,7 @@ def _seeds(relief: Image, smallest: float, largest: float) -> Floats:
     return seeds[_best_apart(seeds[:, :2], 0.5 * seeds[:, 2], stack[found].astype(np.float64), np.minimum)]
 
 
-def _best_apart(centres: Floats, reach: Floats, merit: Floats, shared: np.ufunc) -> list[int]:
+def _best_apart(centres: Array, reach: Array, merit: Array, shared: np.ufunc) -> list[int]:
     """Indices, the best first, of circles further apart than what `shared` makes of their two reaches."""
     kept: list[int] = []
     for k in np.argsort(-merit, kind="stable"):
@@ -155,5 +154,5 @@ def _accept(outlines: Outlines) -> list[Disc]:
     return [_disc(centres[k], float(area[k]), outlines.points[k]) for k in best]
 
 
-def _disc(centre: Floats, area: float, contour: Floats) -> Disc:
+def _disc(centre: Array, area: float, contour: Array) -> Disc:
     return Disc(float(centre[0]), float(centre[1]), area, float(2.0 * np.sqrt(area / np.pi)), contour)

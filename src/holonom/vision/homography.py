@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
 
+from holonom.arrays import Array
 from holonom.errors import CalibrationError, ShapeError
 
 __all__ = ["TableCamera", "fit_homography", "to_pixel", "to_table"]
 
-Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 RANK = 1e-3  # least relative eighth singular value of the design matrix, over normalised points
@@ -32,16 +32,16 @@ class TableCamera:
     where it is and where the camera sees it, in millimetres, and `inliers` (k,), whether it was used.
     """
 
-    matrix: Floats
-    residual_mm: Floats
+    matrix: Array
+    residual_mm: Array
     inliers: Mask
 
 
 class _Scaled(NamedTuple):
     """Points with mean 0 and mean distance sqrt(2), and the matrix that made them so."""
 
-    points: Floats
-    matrix: Floats
+    points: Array
+    matrix: Array
 
 
 def fit_homography(pixels: ArrayLike, table_m: ArrayLike, *, tolerance_mm: float = 2.0) -> TableCamera:
@@ -92,7 +92,7 @@ def fit_homography(pixels: ArrayLike, table_m: ArrayLike, *, tolerance_mm: float
     return TableCamera(matrix, residual, inliers)
 
 
-def to_table(camera: TableCamera, pixels: ArrayLike) -> Floats:
+def to_table(camera: TableCamera, pixels: ArrayLike) -> Array:
     """Table points (..., 2), metres, of pixels (..., 2); NaN at and beyond the horizon.
 
     Raises
@@ -103,7 +103,7 @@ def to_table(camera: TableCamera, pixels: ArrayLike) -> Floats:
     return _project(camera.matrix, _pairs("pixels", pixels))
 
 
-def to_pixel(camera: TableCamera, table_m: ArrayLike) -> Floats:
+def to_pixel(camera: TableCamera, table_m: ArrayLike) -> Array:
     """Pixels (..., 2) of table points (..., 2) in metres; NaN for points behind the camera.
 
     Raises
@@ -111,24 +111,24 @@ def to_pixel(camera: TableCamera, table_m: ArrayLike) -> Floats:
     ShapeError
         If the last axis of `table_m` is not 2.
     """
-    inverse: Floats = np.linalg.inv(camera.matrix).astype(np.float64)
+    inverse: Array = np.linalg.inv(camera.matrix).astype(np.float64)
     return _project(inverse, _pairs("table points", table_m))
 
 
-def _project(matrix: Floats, points: Floats) -> Floats:
+def _project(matrix: Array, points: Array) -> Array:
     image = points @ matrix[:, :2].T + matrix[:, 2]
     weight = image[..., 2:]
     return image[..., :2] / np.where(weight > 0.0, weight, np.nan)
 
 
-def _pairs(what: str, values: ArrayLike) -> Floats:
+def _pairs(what: str, values: ArrayLike) -> Array:
     points = np.asarray(values, dtype=np.float64)
     if points.ndim == 0 or points.shape[-1] != 2:
         raise ShapeError(f"{what} have shape {points.shape}; (..., 2) is wanted")
     return points
 
 
-def _points(what: str, values: ArrayLike) -> Floats:
+def _points(what: str, values: ArrayLike) -> Array:
     points = np.asarray(values, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 2:
         raise CalibrationError(f"{what} have shape {points.shape}; (k, 2) with k >= 4 is wanted")
@@ -140,7 +140,7 @@ def _points(what: str, values: ArrayLike) -> Floats:
     return points
 
 
-def _scaled(what: str, points: Floats) -> _Scaled:
+def _scaled(what: str, points: Array) -> _Scaled:
     """Normalised points (algorithm 4.2); raises if two are one."""
     mean = points.mean(axis=0)
     spread = float(np.linalg.norm(points - mean, axis=1).mean())
@@ -155,7 +155,7 @@ def _scaled(what: str, points: Floats) -> _Scaled:
     return _Scaled((points - mean) * scale, matrix)
 
 
-def _agreeing(source: Floats, target: Floats, tolerance: float) -> Mask:
+def _agreeing(source: Array, target: Array, tolerance: float) -> Mask:
     """Points within `tolerance` of the camera that most of them agree on: all of four, else RANSAC."""
     count = len(source)
     _direct_linear(source, target)
@@ -172,7 +172,7 @@ def _agreeing(source: Floats, target: Floats, tolerance: float) -> Mask:
     return inliers
 
 
-def _direct_linear(source: Floats, target: Floats) -> Floats:
+def _direct_linear(source: Array, target: Array) -> Array:
     """Homography of normalised points by the direct linear transform (4.3); raises if it is not unique."""
     one, none = np.column_stack([source, np.ones(len(source))]), np.zeros((len(source), 3))
     x, y = target[:, :1], target[:, 1:]
@@ -188,15 +188,15 @@ def _direct_linear(source: Floats, target: Floats) -> Floats:
     return matrix
 
 
-def _refined(matrix: Floats, source: Floats, target: Floats) -> Floats:
+def _refined(matrix: Array, source: Array, target: Array) -> Array:
     """Homography with the least sum of squared distances in the target plane (Levenberg-Marquardt)."""
     start = matrix / np.linalg.norm(matrix)
     fixed = int(np.abs(start).argmax())
 
-    def full(free: Floats) -> Floats:
+    def full(free: Array) -> Array:
         return np.insert(free, fixed, start.flat[fixed]).reshape(3, 3)
 
-    def error(free: Floats) -> Floats:
+    def error(free: Array) -> Array:
         image = source @ full(free)[:, :2].T + full(free)[:, 2]
         return (image[:, :2] / image[:, 2:] - target).ravel()
 
@@ -204,7 +204,7 @@ def _refined(matrix: Floats, source: Floats, target: Floats) -> Floats:
     return full(np.asarray(best.x, dtype=np.float64))
 
 
-def _oriented(matrix: Floats, seen: Floats) -> Floats:
+def _oriented(matrix: Array, seen: Array) -> Array:
     """The matrix with the sign that puts the points before the horizon, scaled to 1 at their mean."""
     weight = seen @ matrix[2, :2] + matrix[2, 2]
     if weight.min() <= 0.0 <= weight.max():

@@ -13,11 +13,11 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.vision.kernels import closed_path
 
 __all__ = ["Outlines", "polygon_moments", "trace_outlines"]
 
-Floats = NDArray[np.float64]
 Image = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 
@@ -34,11 +34,11 @@ BENDING = 1.0  # price of moving by REACH, in units of a full fall of brightness
 class Outlines(NamedTuple):
     """Closed outlines (k, rays, 2) in pixels and the fall of brightness across each, (k, rays)."""
 
-    points: Floats
+    points: Array
     fall: Image
 
 
-def trace_outlines(relief: Image, region: Mask, centres: Floats, radii: Floats) -> Outlines:
+def trace_outlines(relief: Image, region: Mask, centres: Array, radii: Array) -> Outlines:
     """Outline of one bright thing around each centre.
 
     Parameters
@@ -65,7 +65,7 @@ def trace_outlines(relief: Image, region: Mask, centres: Floats, radii: Floats) 
     return Outlines(points, np.take_along_axis(broad, path[..., None], axis=-1)[..., 0])
 
 
-def polygon_moments(points: Floats) -> tuple[Floats, Floats, Floats]:
+def polygon_moments(points: Array) -> tuple[Array, Array, Array]:
     """Area (k,), centroid (k, 2) and perimeter (k,) of closed polygons (k, n, 2), by Green's theorem."""
     after = np.roll(points, -1, axis=1)
     cross = points[..., 0] * after[..., 1] - points[..., 1] * after[..., 0]
@@ -74,7 +74,7 @@ def polygon_moments(points: Floats) -> tuple[Floats, Floats, Floats]:
     return np.abs(area), centroid, np.linalg.norm(after - points, axis=-1).sum(axis=1)
 
 
-def _along_rays(relief: Image, region: Mask, centres: Floats, radii: Floats) -> Image:
+def _along_rays(relief: Image, region: Mask, centres: Array, radii: Array) -> Image:
     """Samples (k, rays, radii); beyond the region the last sample inside repeats."""
     reach = radii[:, None, None] * RADII
     u = (centres[:, :1, None] + reach * np.cos(ANGLES)[:, None]).astype(np.float32)
@@ -109,7 +109,7 @@ def _best_paths(score: Image) -> NDArray[np.int64]:
     return paths
 
 
-def _steepest(fall: Image, path: NDArray[np.int64]) -> Floats:
+def _steepest(fall: Image, path: NDArray[np.int64]) -> Array:
     """Index (not whole) of the steepest fall within FINE samples of the path."""
     window = np.clip(path[..., None] + np.arange(-FINE, FINE + 1), 1, fall.shape[-1] - 2)
     top = np.take_along_axis(fall, window, axis=-1).argmax(axis=-1)

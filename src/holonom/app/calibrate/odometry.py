@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.console.answer import Answer
 from holonom.app.console.output import prepare_output
 from holonom.app.odometry_log import OdometryLog, read_log, write_log
+from holonom.arrays import Array
 from holonom.errors import CalibrationError, UnknownName
 from holonom.mobile.calibration import (
     DRIVES,
@@ -33,7 +33,6 @@ from holonom.mobile.calibration import (
 
 __all__ = ["FILE", "METHODS", "PICTURE", "TOPICS", "calibrate_odometry"]
 
-Array = NDArray[np.float64]
 
 METHODS = ("least-squares", "umbmark")
 FILE, PICTURE = "odometry.json", "odometry.png"

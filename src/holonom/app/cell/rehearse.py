@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.job import ArmJob, BaseJob, Job
+from holonom.arrays import Array
 from holonom.errors import MotionError, ProgramFault
 from holonom.lang import Program, Status, start, step
 from holonom.machine import DryMachine
@@ -19,7 +19,6 @@ from holonom.spatial import inverse
 
 __all__ = ["Rehearsal", "end_of", "rehearse", "switches_signals"]
 
-Array = NDArray[np.float64]
 PATIENCE = 3
 """Times that a program asks for a signal, without moving in between, before another robot is taken to have given it."""
 

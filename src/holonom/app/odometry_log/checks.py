@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.odometry_log.spells import note_spells
 from holonom.app.odometry_log.story import check_columns, judge_miss
@@ -16,7 +15,6 @@ from holonom.mobile.odometry import find_gaps
 
 __all__ = ["check_motion", "check_time", "part_names"]
 
-Array = NDArray[np.float64]
 
 FASTEST = 20.0  # m/s, of a rim or the truth: 72 km/h
 WILDEST = 30.0  # rad/s of the truth

@@ -18,7 +18,6 @@ from mcap.exceptions import McapError
 from mcap.reader import make_reader
 from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
 from mcap.writer import CompressionType, Writer
-from numpy.typing import NDArray
 from zstandard import ZstdError
 
 from holonom.app.odometry_log.table import Table
@@ -32,12 +31,12 @@ from holonom.app.recording.format.messages import (
     odometry_values,
 )
 from holonom.app.recording.format.schemas import schema_text
+from holonom.arrays import Array
 from holonom.errors import LogError, OutputError
 from holonom.mobile.calibration import Run, wheels_of
 
 __all__ = ["JOINTS", "ODOMETRY", "read_mcap_table", "write_mcap"]
 
-Array = NDArray[np.float64]
 
 JOINTS, ODOMETRY = "sensor_msgs/JointState", "nav_msgs/Odometry"
 SUFFIX = "_steering"

@@ -14,18 +14,17 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.odometry_log.checks import check_motion, check_time, part_names
 from holonom.app.odometry_log.log import OdometryLog
 from holonom.app.odometry_log.table import Table, read_table, read_text
+from holonom.arrays import Array
 from holonom.errors import LogError
 from holonom.mobile.calibration import DRIVES, Run, article, drive_parameters
 from holonom.mobile.odometry import angle_per_tick
 
 __all__ = ["drive_of", "find_sets", "read_optiodom"]
 
-Array = NDArray[np.float64]
 
 METADATA = re.compile(r"(.+)_metadata\.csv(\.gz)?")
 RUN = re.compile(r"(.+)_run-(\d+)\.csv(\.gz)?")

@@ -6,7 +6,6 @@ import math
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.odometry_log.checks import check_motion, check_time, part_names
 from holonom.app.odometry_log.log import OdometryLog
@@ -14,13 +13,13 @@ from holonom.app.odometry_log.table import Table
 from holonom.app.recording import CUT_OFF, Recording, read_recording
 from holonom.app.recording.format.pieces import read_pieces
 from holonom.app.recording.robot import BaseDescription, base_of
+from holonom.arrays import Array
 from holonom.errors import InputError, LogError
 from holonom.mobile.calibration import Run, drive_parameters, wheels_of
 from holonom.mobile.odometry import angle_per_tick, count_differences
 
 __all__ = ["read_own"]
 
-Array = NDArray[np.float64]
 
 CORNERS = np.array([[1.0, -1.0], [1.0, 1.0], [1.0, 1.0], [1.0, -1.0]])
 """Rim speeds of mecanum wheels, front left, front right, rear left, rear right, per (vx, vy)."""

@@ -38,7 +38,6 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from holonom.app.fields.quantities import OneOf
@@ -48,13 +47,13 @@ from holonom.app.odometry_log.checks import check_motion, check_time, part_names
 from holonom.app.odometry_log.log import OdometryLog
 from holonom.app.odometry_log.mcap_file import JOINTS, ODOMETRY, read_mcap_table
 from holonom.app.odometry_log.table import Table, read_table, read_text
+from holonom.arrays import Array
 from holonom.errors import CalibrationError, LogError, OutOfLimits
 from holonom.mobile.calibration import DRIVES, Run, drive_parameters, wheels_of
 from holonom.mobile.odometry import angle_per_tick, count_differences
 
 __all__ = ["Description", "read_description", "read_plain"]
 
-Array = NDArray[np.float64]
 
 TRUTH = ("x", "y", "theta")
 

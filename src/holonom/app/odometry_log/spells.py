@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from holonom.app.odometry_log.motion import lever_of, moved
 from holonom.app.odometry_log.table import Table
+from holonom.arrays import Array
 from holonom.mobile.calibration import Run, dead_reckoning
 from holonom.mobile.odometry import flag
 
 __all__ = ["note_spells"]
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 SPAN, LEAST = 0.5, 16  # s of a window, and samples that a run must have before its noise is known

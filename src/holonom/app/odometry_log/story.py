@@ -17,12 +17,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.app.odometry_log.motion import lever_of, moved
 from holonom.app.odometry_log.table import Table
+from holonom.arrays import Array
 from holonom.errors import LogError
 from holonom.mobile.calibration import Run, dead_reckoning
 
 __all__ = ["check_columns", "judge_miss"]
 
-Array = NDArray[np.float64]
 
 SPAN = 0.5  # s, least length of a window
 STRIDES = 8  # windows that a run should have at least

@@ -11,13 +11,11 @@ from pathlib import Path
 from typing import NoReturn
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.errors import LogError
 
 __all__ = ["Table", "read_table", "read_text"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,17 +8,15 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.console.output import prepare_output
 from holonom.app.odometry_log.log import OdometryLog
 from holonom.app.odometry_log.mcap_file import write_mcap
+from holonom.arrays import Array
 from holonom.errors import OutputError
 from holonom.mobile.calibration import Run, wheels_of
 
 __all__ = ["write_log"]
-
-Array = NDArray[np.float64]
 
 
 def write_log(

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
+
 __all__ = [
     "BaseTrack",
     "ContactTrack",
@@ -19,8 +21,6 @@ __all__ = [
     "JointTrack",
     "Track",
 ]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

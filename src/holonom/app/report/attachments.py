@@ -7,7 +7,6 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.report.attached import CELL, PHOTOGRAPH, PHOTOGRAPH_WORDS, SCENE, photograph_text, text_of
 from holonom.app.report.drawing.scene_text import scene_text
@@ -23,6 +22,7 @@ from holonom.app.report.findings.facts import (
     RobotFacts,
     Rows,
 )
+from holonom.arrays import Array
 from holonom.mechanics import Arm
 from holonom.sim import Floor, RectangularPatch, RoundPatch
 
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
 __all__ = ["attachments_of", "cell_facts", "patch_corners"]
 
-Array = NDArray[np.float64]
 PROGRAM = "program.arps"
 ROUND = 48
 """Corners of a round patch."""

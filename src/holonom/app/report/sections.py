@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from html import escape
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.recording.scope import bare
+from holonom.arrays import Array
 from holonom.signals import Event
 
 __all__ = [
@@ -26,7 +26,6 @@ __all__ = [
     "robot_of",
 ]
 
-Array = NDArray[np.float64]
 ROWS = 5000
 """Events that the log shows."""
 

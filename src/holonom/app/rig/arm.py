@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.job import ArmJob
+from holonom.arrays import Array
 from holonom.closed_loop import ArmLoop, IdealArm, SimulatedArm
 from holonom.closed_loop.arm import Frame
 from holonom.lang import Status, start, step
@@ -18,8 +18,6 @@ from holonom.signals import Sink
 from holonom.sim import Fingers, World
 
 __all__ = ["ArmRig", "ArmTruth", "make_loop"]
-
-Array = NDArray[np.float64]
 
 
 class ArmTruth(NamedTuple):

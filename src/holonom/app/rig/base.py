@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.job import BaseJob
 from holonom.app.rig.base_records import BaseRecords
+from holonom.arrays import Array
 from holonom.closed_loop import BaseLoop
 from holonom.closed_loop.base import DrivenPart
 from holonom.closed_loop.base_words import BaseWords
@@ -25,7 +25,6 @@ from holonom.sim.base.log import of_wheels
 
 __all__ = ["BaseRig", "BaseTruthView", "make_base"]
 
-Array = NDArray[np.float64]
 
 MS = 10  # of a tick
 STILL = 5e-3

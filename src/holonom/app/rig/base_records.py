@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from holonom.app.job import BaseJob
 from holonom.app.rig.wheel_frames import wheel_frames, wheel_poses
+from holonom.arrays import Array
 from holonom.closed_loop.base_kernels import LogBuffer
 from holonom.control.base_uncertainty import PoseUncertainty
 from holonom.machine.base.settings import Creep
@@ -33,7 +34,6 @@ from holonom.sim.base.log import columns, truth_of
 
 __all__ = ["BaseRecords"]
 
-Array = NDArray[np.float64]
 
 SLIPS, LOST = 1, 2
 """Signals of a base that is alone: a wheel slips; a motor is left out."""

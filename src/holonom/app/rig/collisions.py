@@ -14,11 +14,11 @@ from holonom.app.job import Obstacle
 from holonom.app.rig.arm import ArmRig
 from holonom.app.rig.base import BaseRig
 from holonom.app.rig.robot import RobotRig
+from holonom.arrays import Array
 from holonom.spatial import inverse
 
 __all__ = ["Collisions", "Hit"]
 
-Array = NDArray[np.float64]
 POINTS = 12
 """Points of each link that are looked at."""
 

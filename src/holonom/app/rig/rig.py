@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.job import ArmJob, Job, Mount
 from holonom.app.recording import Recorder
@@ -17,6 +16,7 @@ from holonom.app.rig.base import BaseRig, make_base
 from holonom.app.rig.collisions import Collisions
 from holonom.app.rig.ending import Ended, Ending
 from holonom.app.rig.robot import TICK, RobotRig
+from holonom.arrays import Array
 from holonom.closed_loop import ArmLoop, BaseLoop, IdealArm
 from holonom.errors import MotionError, ProgramFault, RunError
 from holonom.machine import ControlSettings
@@ -28,7 +28,6 @@ from holonom.sim import World
 
 __all__ = ["Rig", "Simulated", "simulated"]
 
-Array = NDArray[np.float64]
 
 LONG = 10
 """Ticks that a cell is advanced at once where nothing is decided between them."""

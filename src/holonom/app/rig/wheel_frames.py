@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.mobile import Wheel, WheelBase
 
 __all__ = ["wheel_frames", "wheel_poses"]
-
-Array = NDArray[np.float64]
 
 
 def wheel_frames(base: WheelBase) -> tuple[str, ...]:

@@ -6,17 +6,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from holonom.arrays import Array
 from holonom.errors import MotionError
 from holonom.machine.arm.clock import PROGRAM_TICK
 from holonom.machine.arm.motions import LineSettings, MotionRequest, plan
 from holonom.mechanics import Arm
 
 __all__ = ["DryMachine", "Problem"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.control.kernels import (
     acceleration_step,
     axis_violation,
@@ -30,7 +31,6 @@ __all__ = ["CASCADE", "COMPUTED_TORQUE", "CURRENT", "STOP", "servo_step"]
 CASCADE, COMPUTED_TORQUE, STOP, CURRENT = 0, 1, 2, 3
 """Who commands the current loops: the cascade, the model-based law, the speed loops holding zero speed, or a caller."""
 
-Floats = NDArray[np.float64]
 Records = NDArray[np.void]
 
 
@@ -42,9 +42,9 @@ def servo_step(
     model: int,
     axes: Records,
     states: Records,
-    reference: Floats,
+    reference: Array,
     signals: JointSignals,
-    law: Floats,
+    law: Array,
 ) -> tuple[int, int]:
     """One step of the current loop: from counters and currents in `signals` to the voltages in it.
 
@@ -126,7 +126,7 @@ def _speed_loop(axis: Any, state: Any, mode: int) -> None:
 
 
 @loop(error_model="numpy", forceinline=True)
-def _model_law(model: int, axes: Records, states: Records, reference: Floats, law: Floats) -> None:
+def _model_law(model: int, axes: Records, states: Records, reference: Array, law: Array) -> None:
     """tau = B(q) u + h(q, qd_ref): friction is fed forward along the reference, so that it does not chatter at rest."""
     n = states.shape[0]
     source, target = law[: 3 * n], law[3 * n :]

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from typing import Protocol, runtime_checkable
 
-import numpy as np
-from numpy.typing import NDArray
-
+from holonom.arrays import Array
 from holonom.mechanics import Arm
 
 __all__ = ["JointLaw"]
-
-Array = NDArray[np.float64]
 
 
 @runtime_checkable

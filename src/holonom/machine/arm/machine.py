@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.errors import DriveFault, LevelFault, MotionError
 from holonom.machine.arm.clock import PROGRAM_TICK, samples_per_tick
 from holonom.machine.arm.motions import LineSettings, MotionRequest
@@ -21,7 +21,6 @@ from holonom.spatial import inverse
 
 __all__ = ["ArmMachine"]
 
-Array = NDArray[np.float64]
 
 SETTLED = {"fine": 2e-4, "coarse": 2e-3}
 """Following error (rad or m) below which a motion counts as ended."""

@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.errors import InputError, MotionError
 from holonom.machine.arm.clock import TICK
 from holonom.mechanics import Arm, IkStatus
 from holonom.mechanics.motion import Trajectory, plan_joint, plan_line
 
 __all__ = ["LineSettings", "MotionRequest", "branch_joints", "plan"]
-
-Array = NDArray[np.float64]
 
 
 class MotionRequest(Protocol):

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.errors import LevelFault
 from holonom.machine.arm.motions import LineSettings, MotionRequest, plan
 from holonom.machine.levels import Levels, LevelState, PointBuffer
@@ -12,8 +12,6 @@ from holonom.mechanics import Arm
 from holonom.mechanics.motion import Trajectory, splice, stop
 
 __all__ = ["MotionQueue"]
-
-Array = NDArray[np.float64]
 
 
 class MotionQueue:

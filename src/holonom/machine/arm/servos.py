@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, finite_array
 from holonom.control import (
     CONTROLLERS,
     AxisLimits,
@@ -33,11 +34,9 @@ from holonom.mechanics import Arm
 from holonom.mechanics.motion.trajectory import joint_vector
 from holonom.model import ArmModel, Joint
 from holonom.trace.call.records import record_table
-from holonom.trace.real import finite_array
 
 __all__ = ["STEP", "ArmServos", "ControlSettings", "check_drives", "joint_friction", "joint_motor"]
 
-Array = NDArray[np.float64]
 
 LAWS = {CascadeSettings: CASCADE, ComputedTorqueSettings: COMPUTED_TORQUE}
 """Compiled laws, by the settings of the controllers that they are of."""

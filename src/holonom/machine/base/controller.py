@@ -6,8 +6,9 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, finite_array, real_array
 from holonom.control import ServoAxis
 from holonom.control.base_tuning import WheelLoop, tune_wheel
 from holonom.control.traction import TractionSettings, WatchSettings
@@ -26,11 +27,9 @@ from holonom.mobile.drive.slip import SlipSettings, slip_params
 from holonom.mobile.drive.slip_kernels import BOUND, SlipParams
 from holonom.trace.call.records import aligned_records, side_by_side
 from holonom.trace.code.simd import WIDTH
-from holonom.trace.real import finite_array, real_array
 
 __all__ = ["TICK", "BaseController"]
 
-Array = NDArray[np.float64]
 
 TICK = 1e-3
 """Sample time of all loops of a base, s."""

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.control.base_kernels import (
     EstimateParams,
     Planar,
@@ -48,7 +49,6 @@ PATH, VELOCITY, HOLD = 0, 1, 2
 RUNNING, DONE, STOPPED = 0, 1, 2
 """How far its path is: under way, at its end, stopped by a jammed wheel."""
 STANDING = 500  # ms after which a base that had to stop is done
-Floats = NDArray[np.float64]
 Records = NDArray[np.void]
 
 
@@ -82,7 +82,7 @@ def control_step(
 
 
 @loop(error_model="numpy", forceinline=True)
-def path_ending(base: Any, path: Floats) -> int:
+def path_ending(base: Any, path: Array) -> int:
     """How far a path is before the next step: `RUNNING`, `DONE`, `STOPPED`."""
     if base.mode != PATH:
         return RUNNING
@@ -90,7 +90,7 @@ def path_ending(base: Any, path: Floats) -> int:
 
 
 @loop(error_model="numpy", forceinline=True)
-def say(base: Any, wheels: Records, states: Records, row: Any, rows: Floats) -> None:
+def say(base: Any, wheels: Records, states: Records, row: Any, rows: Array) -> None:
     """Write a `CONTROL_SAMPLE`, and `SEEN_WHEEL_SAMPLE` of the wheels in rows (4, 4 n)."""
     row.seen_x, row.seen_y, row.seen_theta = base.seen_x, base.seen_y, base.seen_theta
     row.seen_vx, row.seen_vy, row.seen_w = base.seen_vx, base.seen_vy, base.seen_w
@@ -135,7 +135,7 @@ def _detect(params: BaseParams, base: Any, work: Work) -> None:
 
 
 @loop(error_model="numpy", forceinline=True)
-def _react(params: BaseParams, path: Floats, base: Any, wheels: Records, states: Records, work: Work) -> None:
+def _react(params: BaseParams, path: Array, base: Any, wheels: Records, states: Records, work: Work) -> None:
     """Leave out wheels that slip and motors that are lost; drive slower, or stop, where the others must not push so."""
     m = len(params.rows)
     lost = watch_motors(params.watch, wheels, states, m, base, base.jams != 0) if params.compensate else 0
@@ -154,7 +154,7 @@ def _react(params: BaseParams, path: Floats, base: Any, wheels: Records, states:
 
 
 @loop(error_model="numpy", forceinline=True)
-def _refer(params: BaseParams, path: Floats, base: Any, change: float, now: Floats) -> None:
+def _refer(params: BaseParams, path: Array, base: Any, change: float, now: Array) -> None:
     """Reference of this sample: on the path, the twist that was asked for within limits, or the pose that is held."""
     if base.mode == PATH:
         reference_at(path, base.phase, base.rate, change, now)
@@ -168,7 +168,7 @@ def _refer(params: BaseParams, path: Floats, base: Any, change: float, now: Floa
 
 
 @loop(error_model="numpy", forceinline=True)
-def _shape(params: BaseParams, base: Any, now: Floats) -> None:
+def _shape(params: BaseParams, base: Any, now: Array) -> None:
     """Nearest drivable twist to the one asked for, zero once that is too old, within speed, acceleration and jerk."""
     shaping = params.shaping
     base.age += 1
@@ -186,7 +186,7 @@ def _shape(params: BaseParams, base: Any, now: Floats) -> None:
 
 
 @loop(error_model="numpy", forceinline=True)
-def _estimate(params: EstimateParams, rows: Floats, base: Any, work: Work) -> Planar:
+def _estimate(params: EstimateParams, rows: Array, base: Any, work: Work) -> Planar:
     before = Planar(base.seen_vx, base.seen_vy, base.seen_w)
     twist, base.gyro_bias = estimate_step(
         params, rows, work.trust, work.rims, before, base.gyro_bias, base.gyro, Planar(base.imu_x, base.imu_y, 0.0)
@@ -198,7 +198,7 @@ def _estimate(params: EstimateParams, rows: Floats, base: Any, work: Work) -> Pl
 
 
 @loop(error_model="numpy", forceinline=True)
-def _keep(params: BaseParams, base: Any, reference: Floats) -> tuple[Planar, Planar]:
+def _keep(params: BaseParams, base: Any, reference: Array) -> tuple[Planar, Planar]:
     """Twist to command and acceleration to feed forward."""
     pose = Planar(base.seen_x, base.seen_y, base.seen_theta)
     integral = Planar(base.integral_x, base.integral_y, base.integral_theta)
@@ -232,7 +232,7 @@ def _drive(
 
 
 @loop(error_model="numpy", forceinline=True)
-def _square(residual: Floats, rims: Floats) -> float:
+def _square(residual: Array, rims: Array) -> float:
     """Square sum, (m/s)^2, of what no twist explains of rim speeds."""
     total = 0.0
     for i in range(len(residual)):
@@ -244,7 +244,7 @@ def _square(residual: Floats, rims: Floats) -> float:
 
 
 @loop(error_model="numpy", forceinline=True)
-def _no_slip(inverse: Floats, rims: Floats) -> SlipState:
+def _no_slip(inverse: Array, rims: Array) -> SlipState:
     """Return the state that `slip_step` takes in silence: it trusts the twist of all wheels."""
     vx, vy, rw = 0.0, 0.0, 0.0
     for i in range(inverse.shape[1]):

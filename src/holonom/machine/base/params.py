@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
+from holonom.arrays import Array
 from holonom.control.base_kernels import EstimateParams, KeepingParams, TractionParams, WatchParams
 from holonom.control.shaping_kernels import ShapingParams
 from holonom.mobile.drive.slip_kernels import SlipParams
 
 __all__ = ["BaseParams", "BaseTask", "Work"]
-
-Floats = NDArray[np.float64]
 
 
 class BaseParams(NamedTuple):
@@ -25,13 +21,13 @@ class BaseParams(NamedTuple):
     traction: TractionParams
     watch: WatchParams
     slip: SlipParams
-    rows: Floats  # (m, 3) rim speeds per (vx, vy, w)
-    estimate_rows: Floats  # (m + k, 3) the same, and k directions in which no wheel lets the base move
-    drivable: Floats  # (3, 3) twist to the nearest one that drags no wheel
-    residual: Floats  # (m, m) 1 - D D^+
-    inverse: Floats  # (3, m) D^+: (vx, vy, R w) per rim speed
+    rows: Array  # (m, 3) rim speeds per (vx, vy, w)
+    estimate_rows: Array  # (m + k, 3) the same, and k directions in which no wheel lets the base move
+    drivable: Array  # (3, 3) twist to the nearest one that drags no wheel
+    residual: Array  # (m, m) 1 - D D^+
+    inverse: Array  # (3, m) D^+: (vx, vy, R w) per rim speed
     quiet: float  # square sum of the residual, (m/s)^2, up to which nothing slips; below 0: ask the detector always
-    push: Floats  # (m,) part of its grip that a motor pushes with per ampere; zeros up to whole fours
+    push: Array  # (m,) part of its grip that a motor pushes with per ampere; zeros up to whole fours
     creep: float  # m/s that a wheel slips with all its grip, were it to grow linearly
     mass: float
     inertia: float
@@ -48,17 +44,17 @@ class BaseParams(NamedTuple):
 class BaseTask(NamedTuple):
     """What the level above gave: the rest of a path; a twist is in the state, with its age."""
 
-    path: Floats  # (N, 9) pose, twist, acceleration at 1 kHz; (0, 9) without one
+    path: Array  # (N, 9) pose, twist, acceleration at 1 kHz; (0, 9) without one
 
 
 class Work(NamedTuple):
     """Arrays of the controller: `trust`, `weights`, `share` and `last` are kept, the others are scratch."""
 
-    trust: Floats  # (m + k,) which wheels are believed, and the directions in which none moves
-    weights: Floats  # (m,) which are asked for force
-    share: Floats  # (m, 3) their rim forces per force on the base
-    rims: Floats  # rim speeds, m/s; zeros for the k directions
-    gripping: Floats  # (4 n,) the same of the wheels, less what a gripping wheel creeps
-    last: Floats  # (4 n,) that of the sample before
-    acceleration: Floats  # (3,)
-    now: Floats  # (9,) reference
+    trust: Array  # (m + k,) which wheels are believed, and the directions in which none moves
+    weights: Array  # (m,) which are asked for force
+    share: Array  # (m, 3) their rim forces per force on the base
+    rims: Array  # rim speeds, m/s; zeros for the k directions
+    gripping: Array  # (4 n,) the same of the wheels, less what a gripping wheel creeps
+    last: Array  # (4 n,) that of the sample before
+    acceleration: Array  # (3,)
+    now: Array  # (9,) reference

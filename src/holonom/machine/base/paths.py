@@ -7,10 +7,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import uniform_filter1d
 
+from holonom.arrays import Array
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.machine.levels import Levels, interpolate
 from holonom.registry import OWN, Method, Table, parameter
@@ -28,7 +29,6 @@ __all__ = [
     "waypoints",
 ]
 
-Array = NDArray[np.float64]
 TICK = 1e-3
 KNOTS = 400  # of the spline through a closed curve
 GRID = 4000  # points at which the speed is planned

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.control.base_uncertainty import UncertaintySettings
 from holonom.control.path_keeping import EstimateSettings
 from holonom.machine.base.settings import Creep
@@ -13,7 +13,6 @@ from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive, BaseSensors, bas
 
 __all__ = ["pose_uncertainty"]
 
-Array = NDArray[np.float64]
 
 MORE = 1.4  # creep grows faster than force where wheels push hard
 PARTS = 24  # directions of acceleration that are looked at

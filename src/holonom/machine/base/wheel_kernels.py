@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.control.base_kernels import (
     JAMMED,
     WORKS,
@@ -51,7 +52,6 @@ __all__ = [
 ]
 
 SLIPPING_WEIGHT = 0.3  # in the allocation of force: a wheel on ice is asked last
-Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Records = NDArray[np.void]
 
@@ -99,7 +99,7 @@ def watch_motors(params: WatchParams, wheels: Records, states: Records, m: int, 
 
 
 @loop(error_model="numpy", forceinline=True)
-def set_weights(traction: bool, states: Records, named: int, trust: Floats, weights: Floats) -> int:
+def set_weights(traction: bool, states: Records, named: int, trust: Array, weights: Array) -> int:
     """Which wheels are believed (one without current turns freely) and asked for force; set of those that jam."""
     jams = 0
     for i in range(len(weights)):
@@ -111,7 +111,7 @@ def set_weights(traction: bool, states: Records, named: int, trust: Floats, weig
 
 
 @loop(error_model="numpy", forceinline=True)
-def share_force(rows: Floats, weights: Floats, share: Floats, states: Records) -> None:
+def share_force(rows: Array, weights: Array, share: Array, states: Records) -> None:
     """Share the force on the base among the wheels, in `share` (m, 3) and in their states."""
     allocation(rows, weights, share)
     for i in range(len(share)):

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from holonom.arrays import Array, real_array
 from holonom.errors import InputError, NotAPose, ShapeError
 from holonom.mechanics.equations.dynamics.inertia import fixed_to_body
 from holonom.mechanics.kernels import inverse_geometry
@@ -21,11 +22,10 @@ from holonom.mechanics.kernels.protocol import Limits
 from holonom.mechanics.kernels.table import OPTIONS, Calls, make_kernel
 from holonom.model import ArmModel, Body, constant_transform
 from holonom.spatial import check_pose
-from holonom.trace import Kernel, real_array
+from holonom.trace import Kernel
 
 __all__ = ["Arm", "IkCase", "IkNearest", "IkResult", "IkStatus", "Limits"]
 
-Array = NDArray[np.float64]
 CHUNK = 4096
 """Rows that are looked at together, so that a batch takes no more memory than its result."""
 

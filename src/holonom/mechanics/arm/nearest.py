@@ -9,16 +9,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from holonom.arrays import Array, real_array, vectors
 from holonom.errors import NotAPose, ShapeError
 from holonom.mechanics.kernels.ik_result import IkNearest, IkStatus
 from holonom.mechanics.kernels.protocol import SolvedArm
 from holonom.mechanics.loops.nearest import nearest_of_rows, nearest_point, nearest_pose
 from holonom.spatial import check_pose
-from holonom.trace import check_threads, real_array, share
+from holonom.trace import check_threads, share
 
 __all__ = ["Nearest", "joint_vectors"]
 
-Array = NDArray[np.float64]
 CHUNK = 1024
 """Rows that are solved together, so that a batch takes little more memory than its result."""
 FREE = 1e-8
@@ -33,14 +33,7 @@ def joint_vectors(name: str, q: ArrayLike, names: tuple[str, ...]) -> Array:
     ShapeError
         Another shape; something that is no finite number, named with its joint and row.
     """
-    given = real_array(name, q)
-    if given.shape[-1:] != (len(names),):
-        raise ShapeError(f"{name} must be of shape (..., {len(names)}); shape {given.shape} came")
-    if not np.isfinite(given).all():
-        *row, k = (int(i) for i in np.argwhere(~np.isfinite(given))[0])
-        place = f" in row {tuple(row)}" if row else ""
-        raise ShapeError(f"{name}[{k}] (joint {names[k]!r}) is {given[(*row, k)]}{place}; finite numbers are needed")
-    return given
+    return vectors(name, q, len(names), [f"joint {name!r}" for name in names])
 
 
 STATUS: tuple[Any, ...] = tuple(np.int8(status) for status in IkStatus)

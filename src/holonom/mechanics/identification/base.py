@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
+from holonom.arrays import Array
 from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.identification.columns import column_names, regressor_of_rows, stated_columns
 from holonom.model import ArmModel
 
 __all__ = ["BaseParameters", "base_parameters", "motion_ranges", "random_motion"]
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 RANK_TOLERANCE = 1e-8  # of unit columns; kinematics given to fewer digits than this groups less than it should

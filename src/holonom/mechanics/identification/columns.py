@@ -8,6 +8,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from holonom.arrays import Array
 from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.equations.dynamics import regressor as equations
 from holonom.mechanics.equations.dynamics.regressor import BODY_PARAMETERS, DRIVE_PARAMETERS
@@ -17,8 +18,6 @@ from holonom.model import ArmModel, Friction
 from holonom.trace.line.arrays import on_arrays
 
 __all__ = ["column_names", "parameters", "regressor", "regressor_of_rows", "stated_columns"]
-
-Array = NDArray[np.float64]
 
 
 def regressor(

@@ -12,9 +12,9 @@ import dataclasses
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
+from holonom.arrays import Array
 from holonom.mechanics.equations.dynamics.inertia import Inertial
 from holonom.mechanics.equations.dynamics.regressor import BODY_PARAMETERS, from_parameters, to_parameters
 from holonom.mechanics.identification.columns import parameters
@@ -22,7 +22,6 @@ from holonom.model import ArmModel, Body, Friction
 
 __all__ = ["consistent_parameters", "is_consistent", "model_from_parameters", "prior_parameters", "pseudo_inertia"]
 
-Array = NDArray[np.float64]
 
 ASSUMED_MASS, ASSUMED_RADIUS = 1.0, 0.1  # kg, m: of a homogeneous sphere, where no model states a body
 SOFTENING = 1e-3  # least share of that sphere in a stated body: published ones are often flat or without inertia

@@ -6,8 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.errors import InputError
 from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.identification.base import BaseParameters, base_parameters
@@ -22,7 +23,6 @@ from holonom.model import ArmModel
 
 __all__ = ["Identification", "identify"]
 
-Array = NDArray[np.float64]
 
 WEAK = 0.3  # relative standard deviation above which a base parameter is called weak
 DEFICIENT = 1e-9  # smallest singular value of the scaled base regressor, relative to the largest

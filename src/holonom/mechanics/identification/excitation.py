@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.errors import InputError, OutOfLimits
 from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.identification.base import BaseParameters, base_parameters, motion_ranges
@@ -17,7 +18,6 @@ from holonom.mechanics.motion import Trajectory
 
 __all__ = ["Excitation", "condition_number", "excitation"]
 
-Array = NDArray[np.float64]
 
 MARGIN = 0.98  # of every limit that is used: the series is checked on a grid, and moves a little further between
 GRID = 40  # samples per period of the fastest harmonic at which limits are checked

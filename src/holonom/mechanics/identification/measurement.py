@@ -9,12 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.signal import butter, sosfiltfilt
 
+from holonom.arrays import Array, finite_array
 from holonom.errors import InputError, ShapeError
-from holonom.trace import real_array
 
 __all__ = ["Equations", "equations_of", "state"]
 
-Array = NDArray[np.float64]
 
 ORDER = 4  # of the Butterworth filter, run forwards and backwards
 AT_REST = 0.01  # of a joint's largest speed: below, the direction of its friction is not known
@@ -45,7 +44,7 @@ def state(time: ArrayLike, q: ArrayLike, cutoff: float) -> tuple[float, Array, A
     InputError
         Uneven times, or a cutoff above a quarter of the sampling rate.
     """
-    t, raw = _finite("time", time, 1), _finite("q", q, 2)
+    t, raw = finite_array("time", time, ("samples",)), finite_array("q", q, ("samples", "joints"))
     if len(t) != len(raw) or len(t) < 30:
         raise ShapeError(f"time has {len(t)} samples and q {len(raw)}; give the same number of both, at least 30")
     steps = np.diff(t)
@@ -75,7 +74,7 @@ def equations_of(
     One sample per half period of the cutoff is kept, as many as carry independent noise; the first and last periods,
     which the filter spoils, go.
     """
-    torque = _finite("tau", tau, 2)
+    torque = finite_array("tau", tau, ("samples", "joints"))
     if torque.shape != np.shape(q) or torque.shape[1] != n:
         raise ShapeError(f"q has shape {np.shape(q)}, tau {torque.shape}; ({len(torque)}, {n}) of both is needed")
     dt, smooth, qd, qdd = state(time, q, cutoff)
@@ -95,10 +94,3 @@ def equations_of(
 def _low_pass(x: Array, cutoff: float, dt: float) -> Array:
     sections = butter(ORDER, 2.0 * cutoff * dt, output="sos")
     return np.asarray(sosfiltfilt(sections, x, axis=0))
-
-
-def _finite(name: str, values: ArrayLike, axes: int) -> Array:
-    array = real_array(name, values)
-    if array.ndim != axes or not np.isfinite(array).all():
-        raise ShapeError(f"{name} has shape {array.shape}; finite numbers on {axes} axes are needed")
-    return array

@@ -8,11 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.mechanics.kernels import inverse_geometry
 
 __all__ = ["IkCase", "IkNearest", "IkResult", "IkStatus"]
-
-Array = NDArray[np.float64]
 
 
 class IkStatus(IntEnum):

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.mechanics.equations import kinematics
 from holonom.mechanics.equations.inverse.subproblems import Branch, Truth, Turn
 from holonom.mechanics.equations.vectors import Matrix, Pose, Vector, compose, dot, matmul, matvec, sub, transpose
@@ -30,7 +31,6 @@ __all__ = [
     "refined",
 ]
 
-Array = NDArray[np.float64]
 
 OK, UNREACHABLE, LIMIT, SINGULAR = 0, 1, 2, 3
 REACHED = 1e-8

@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.mechanics.kernels.closed_form import ClosedForm
 from holonom.model import ArmModel
 from holonom.trace import Kernel
 
 __all__ = ["Limits", "SolvedArm"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

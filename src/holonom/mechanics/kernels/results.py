@@ -7,6 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
+
 __all__ = [
     "AnalyticJacobian",
     "CouplingTable",
@@ -16,8 +18,6 @@ __all__ = [
     "InverseDynamicsDerivatives",
     "Singularity",
 ]
-
-Array = NDArray[np.float64]
 
 
 class AnalyticJacobian(NamedTuple):

@@ -12,15 +12,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.mechanics.equations import kinematics
 from holonom.mechanics.equations.inverse.subproblems import Screw, Turn
 from holonom.model import ArmModel, Transform, constant_transform
 
 __all__ = ["ALIKE", "ScrewChain", "common_point", "parallel", "screw_chain"]
 
-Array = NDArray[np.float64]
 ALIKE = 1e-5
 """Sine or length (m) below which axes count as parallel or meeting: URDF files write pi / 2 with 4 to 12 digits."""
 

@@ -15,6 +15,7 @@ import numpy as np
 from numba import boolean, float64, int64
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.mechanics.kernels.protocol import SolvedArm
 from holonom.mechanics.kernels.singularities import rows_of
 from holonom.numeric.svd_kernels import ROOM, complete, decompose, room_for, rows_of_turns, unit_rows, weights
@@ -38,7 +39,6 @@ __all__ = [
     "singularities_at",
 ]
 
-Floats = NDArray[np.float64]
 LOST = 1e-6
 """Singular value below which a direction counts as lost (m or 1 per rad)."""
 PLAN = ArrayObject(int64, (4,))
@@ -63,7 +63,7 @@ def plan_of(arm: SolvedArm, part: str = "all", frame: str = "world") -> NDArray[
 
 
 @loop(error_model="numpy")
-def given_jacobian(plan: Any, q: Floats, J: Floats) -> bool:
+def given_jacobian(plan: Any, q: Array, J: Array) -> bool:
     """Write the Jacobian at q to the beginning of J (ROOM,), unless q is not finite or of another length."""
     n = plan[1]
     total = 0.0
@@ -76,13 +76,13 @@ def given_jacobian(plan: Any, q: Floats, J: Floats) -> bool:
 
 
 @loop(error_model="numpy")
-def _part(plan: Any, J: Floats) -> Floats:
+def _part(plan: Any, J: Array) -> Array:
     n, first, rows = plan[1], plan[2], plan[3]
     return J[n * first : n * (first + rows)].reshape(rows, n)
 
 
 @loop(error_model="numpy")
-def _count(s: Floats, tolerance: float) -> int:
+def _count(s: Array, tolerance: float) -> int:
     count = 0
     for x in s:
         count += x > tolerance
@@ -106,7 +106,7 @@ def singular_values_at(plan: Any, q: Any, like: Any) -> Any:
 
 
 @loop(error_model="numpy")
-def _left_after(A: Floats, room: Floats, rank: int, first: int, rows: Floats) -> None:
+def _left_after(A: Array, room: Array, rank: int, first: int, rows: Array) -> None:
     """Write left vectors of a decomposed A (m, n), one in each of `rows` (m, m), from a first one on or all."""
     m, n = A.shape
     if m <= n:
@@ -160,7 +160,7 @@ def lost_directions_at(plan: Any, q: Any, tolerance: float, likes: Any) -> Any:
 
 
 @loop(error_model="numpy", fastmath={"contract"})
-def _complement(room: Floats, first: Any, second: Any, N: Floats) -> None:
+def _complement(room: Array, first: Any, second: Any, N: Array) -> None:
     """Write orthonormal columns N (n, count) at right angles to rows in room: Gram-Schmidt, twice, of axes.
 
     first, second: of each row 1 / |row|^2, or 0 if it does not count.

@@ -10,6 +10,7 @@ import numpy as np
 from numba import float64, int8, int64, void
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.mechanics.kernels.inverse_geometry import LIMIT, UNREACHABLE
 from holonom.trace.call.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.call.pointer import call_kernel
@@ -18,7 +19,6 @@ from holonom.trace.code.loops import loop
 
 __all__ = ["nearest_of_rows", "nearest_point", "nearest_pose"]
 
-Floats = NDArray[np.float64]
 _LIST, _TABLE, _STACK = float64[::1], float64[:, ::1], float64[:, :, ::1]
 
 ROOM = 256
@@ -36,7 +36,7 @@ def _turned(value: float, reference: float, lower: float, upper: float, turn: fl
 
 
 @loop(error_model="numpy")
-def _choose(branches: Floats, status: Any, at: int, reference: Floats, joints: Floats, q: Floats) -> int:
+def _choose(branches: Array, status: Any, at: int, reference: Array, joints: Array, q: Array) -> int:
     """Write the nearest of the branches (k, n) to q (n,), and return its number; see `nearest_of_rows`.
 
     `status[at : at + k]` are theirs. Ranks first: within the limits, outside them, out of reach.
@@ -116,11 +116,11 @@ nearest_pose, nearest_point = _compiled(4, 4), _compiled(3)
     error_model="numpy",
 )
 def nearest_of_rows(
-    branches: Floats,
+    branches: Array,
     status: NDArray[np.int8],
-    reference: Floats,
-    joints: Floats,
-    q: Floats,
+    reference: Array,
+    joints: Array,
+    q: Array,
     taken: NDArray[np.int8],
     number: NDArray[np.int64],
 ) -> None:

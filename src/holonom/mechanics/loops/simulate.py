@@ -11,14 +11,13 @@ from __future__ import annotations
 
 import numpy as np
 from numba import types
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.trace.call.pointer import call_kernel, call_rows
 from holonom.trace.code.loops import loop
 
 __all__ = ["advance_lanes", "advance_one", "settle", "turns_back"]
 
-Floats = NDArray[np.float64]
 LANES = 64
 """Variations that are advanced together."""
 SWEEPS, SETTLED = 100, 1e-12
@@ -26,7 +25,7 @@ SWEEPS, SETTLED = 100, 1e-12
 
 
 @loop(error_model="numpy")
-def turns_back(before: Floats, after: Floats) -> bool:
+def turns_back(before: Array, after: Array) -> bool:
     """Whether a joint stands, stops or turns back between two speeds (n,)."""
     least = np.inf
     for i in range(before.shape[0]):
@@ -35,8 +34,8 @@ def turns_back(before: Floats, after: Floats) -> bool:
 
 
 @loop(error_model="numpy")
-def settle(dt: float, semi_implicit: bool, B: Floats, breakaway: Floats, x0: Floats, v0: Floats, x: Floats,
-           v: Floats) -> None:  # fmt: skip
+def settle(dt: float, semi_implicit: bool, B: Array, breakaway: Array, x0: Array, v0: Array, x: Array,
+           v: Array) -> None:  # fmt: skip
     """Correct a step's end x, v (n,) for joints that stand, stop or turn back in it.
 
     Friction impulses p are sought with B (w - v) = p - p0, where p0 is what the step took, -dt F sgn(v0): each joint
@@ -88,15 +87,15 @@ def advance_one(
     address: int,
     stiction: int,
     dt: float,
-    nodes: Floats,
-    weights: Floats,
+    nodes: Array,
+    weights: Array,
     semi_implicit: bool,
     every: int,
-    reference: Floats,
-    parameters: Floats,
-    q: Floats,
-    qd: Floats,
-    tau: Floats,
+    reference: Array,
+    parameters: Array,
+    q: Array,
+    qd: Array,
+    tau: Array,
 ) -> int:
     """Integrate one arm.
 
@@ -175,15 +174,15 @@ def advance_lanes(
     rows: int,
     stiction: int,
     dt: float,
-    nodes: Floats,
-    weights: Floats,
+    nodes: Array,
+    weights: Array,
     semi_implicit: bool,
     every: int,
-    reference: Floats,
-    parameters: Floats,
-    q: Floats,
-    qd: Floats,
-    tau: Floats,
+    reference: Array,
+    parameters: Array,
+    q: Array,
+    qd: Array,
+    tau: Array,
     first: int,
     last: int,
 ) -> None:

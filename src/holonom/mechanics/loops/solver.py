@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.mechanics.loops.pose_check import is_rigid
 from holonom.trace.call.pointer import call_kernel
 from holonom.trace.code.loops import loop
@@ -40,8 +41,6 @@ STALL = 0.8
 CLIMB_ROUNDS, CLIMB_STEP, CLIMB_END = 60, 0.1, 1e-6
 """Rounds of the nullspace climb, its first and last step (largest joint change, rad or m)."""
 
-Floats = NDArray[np.float64]
-
 
 class Chain(NamedTuple):
     """An arm, as arrays (n,): joints move within `lower` .. `upper`.
@@ -50,12 +49,12 @@ class Chain(NamedTuple):
     turned by `turn` (0: not).
     """
 
-    lower: Floats
-    upper: Floats
-    origin: Floats
-    span: Floats
-    stride: Floats
-    turn: Floats
+    lower: Array
+    upper: Array
+    origin: Array
+    span: Array
+    stride: Array
+    turn: Array
 
 
 class Search(NamedTuple):
@@ -68,7 +67,7 @@ class Search(NamedTuple):
     task: int
     multipliers: int
     criterion: int
-    weights: Floats
+    weights: Array
     tolerance: float
     attempts: int
     steps: int
@@ -78,18 +77,18 @@ class Search(NamedTuple):
 class _Room(NamedTuple):
     """Scratch of one thread. Sources and targets of the kernels hold their inputs and outputs in a row."""
 
-    q: Floats
-    best: Floats
-    climbed: Floats
-    step: Floats
-    free: Floats
-    source: Floats
-    state: Floats
-    trial: Floats
-    normal: Floats
-    y: Floats
-    posture: Floats
-    slope: Floats
+    q: Array
+    best: Array
+    climbed: Array
+    step: Array
+    free: Array
+    source: Array
+    state: Array
+    trial: Array
+    normal: Array
+    y: Array
+    posture: Array
+    slope: Array
 
 
 @loop(error_model="numpy")
@@ -102,14 +101,14 @@ def scratch(n: int) -> Any:
 
 
 @loop(error_model="numpy")
-def _copy(a: Floats, first: int, count: int, b: Floats, at: int) -> None:
+def _copy(a: Array, first: int, count: int, b: Array, at: int) -> None:
     """b[at : at + count] = a[first : first + count]; assigning slices compiles ten times as long."""
     for k in range(count):
         b[at + k] = a[first + k]
 
 
 @loop(error_model="numpy")
-def damped_step(address: int, state: Floats, free: Floats, damping: float, room: Any) -> None:
+def damped_step(address: int, state: Array, free: Array, damping: float, room: Any) -> None:
     """room.step = J^T (J J^T + damping)^-1 x over the free joints, x being what stands at room.normal[21:27]."""
     n = free.shape[0]
     normal, y, step = room.normal, room.y, room.step
@@ -131,7 +130,7 @@ def damped_step(address: int, state: Floats, free: Floats, damping: float, room:
 
 
 @loop(error_model="numpy")
-def _release(q: Floats, lower: Floats, upper: Floats, state: Floats, free: Floats) -> bool:
+def _release(q: Array, lower: Array, upper: Array, state: Array, free: Array) -> bool:
     """Free all joints but those at a limit that J^T e drives further out; return whether there is such a joint."""
     pressed = False
     for k in range(q.shape[0]):
@@ -146,7 +145,7 @@ def _release(q: Floats, lower: Floats, upper: Floats, state: Floats, free: Float
 
 
 @loop(error_model="numpy")
-def _move(chain: Any, q: Floats, step: Floats, scale: float, moved: Floats) -> None:
+def _move(chain: Any, q: Array, step: Array, scale: float, moved: Array) -> None:
     """q + scale step, a turn back or else clamped where that leaves the limits."""
     lower, upper, turn = chain.lower, chain.upper, chain.turn
     for k in range(q.shape[0]):
@@ -159,7 +158,7 @@ def _move(chain: Any, q: Floats, step: Floats, scale: float, moved: Floats) -> N
 
 
 @loop(error_model="numpy")
-def _cost(state: Floats) -> float:
+def _cost(state: Array) -> float:
     total = 0.0
     for i in range(1, 7):
         total += state[i] * state[i]
@@ -167,7 +166,7 @@ def _cost(state: Floats) -> float:
 
 
 @loop(error_model="numpy")
-def _largest(a: Floats) -> float:
+def _largest(a: Array) -> float:
     largest = 0.0
     for x in a:
         largest = max(largest, abs(x))
@@ -175,7 +174,7 @@ def _largest(a: Floats) -> float:
 
 
 @loop(error_model="numpy")
-def _evaluate(search: Any, q: Floats, room: Any) -> float:
+def _evaluate(search: Any, q: Array, room: Any) -> float:
     """Put the task at q into `room.state`; return the residual squared. The goal stands in `room.source`."""
     _copy(q, 0, q.shape[0], room.source, 0)
     call_kernel(search.task, room.source, room.state)
@@ -208,7 +207,7 @@ def _descend(chain: Any, search: Any, room: Any) -> tuple[float, int, bool]:
 
 
 @loop(error_model="numpy")
-def _criterion(search: Any, q: Floats, room: Any) -> float:
+def _criterion(search: Any, q: Array, room: Any) -> float:
     """Value of the criterion; its gradient goes to `room.slope[1:]`."""
     _copy(q, 0, q.shape[0], room.posture, 0)
     call_kernel(search.criterion, room.posture, room.slope)
@@ -265,7 +264,7 @@ def _climb(chain: Any, search: Any, room: Any) -> int:
 
 
 @loop(error_model="numpy")
-def _restart(chain: Any, number: int, q: Floats) -> None:
+def _restart(chain: Any, number: int, q: Array) -> None:
     """Point `number` of the additive sequence (Roberts 2018) in the box of restarts; point 0 is its middle."""
     for k in range(q.shape[0]):
         u = 0.5 + number * chain.stride[k]
@@ -273,7 +272,7 @@ def _restart(chain: Any, number: int, q: Floats) -> None:
 
 
 @loop(error_model="numpy")
-def _solve(chain: Any, search: Any, room: Any, starts: Floats, preferred: Floats, row: int) -> tuple[float, int, bool]:
+def _solve(chain: Any, search: Any, room: Any, starts: Array, preferred: Array, row: int) -> tuple[float, int, bool]:
     """Solve for the goal in `room.source`, to `room.best`: residual squared, steps taken, whether pressed to limits."""
     n, given = chain.lower.shape[0], min(starts.shape[0], 1)
     enough = search.tolerance * search.tolerance
@@ -308,12 +307,12 @@ def _status(search: Any, least: float, blocked: bool) -> int:
 def solve_rows(
     chain: Any,
     search: Any,
-    goals: Floats,
-    starts: Floats,
-    preferred: Floats,
-    q: Floats,
+    goals: Array,
+    starts: Array,
+    preferred: Array,
+    q: Array,
     status: NDArray[np.int8],
-    residual: Floats,
+    residual: Array,
     iterations: NDArray[np.int64],
     first: int,
     last: int,
@@ -332,15 +331,15 @@ def solve_rows(
 
 @loop(error_model="numpy", nogil=True)
 def solve_one(
-    limits: Floats,
-    numbers: Floats,
+    limits: Array,
+    numbers: Array,
     whole: NDArray[np.int64],
     bounded: bool,
-    T: Floats,
-    start: Floats,
-    preferred: Floats,
-    q: Floats,
-    residual: Floats,
+    T: Array,
+    start: Array,
+    preferred: Array,
+    q: Array,
+    residual: Array,
 ) -> int:
     """Solve for one pose T (4, 4), from `start`: (n,), or (0,) for none, as `preferred`.
 

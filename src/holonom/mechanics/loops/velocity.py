@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 from numba import float64
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.mechanics.loops.decomposition import PLAN, asked_for, given_jacobian
 from holonom.numeric.jacobi_kernels import COLUMN, FACTOR, SQUARE, laid_out, orthogonalise, slot
 from holonom.numeric.svd_kernels import ROOM, room_for
@@ -20,7 +20,6 @@ from holonom.trace.code.simd import largest, load, spread, total
 
 __all__ = ["AUTO", "rates_of_one", "rates_of_rows"]
 
-Floats = NDArray[np.float64]
 AUTO = -1.0
 """Damping that follows the smallest singular value."""
 NEAR = 0.02
@@ -30,7 +29,7 @@ LOST = 1e-12
 
 
 @loop(error_model="numpy")
-def _rates(J: Floats, twist: Floats, damping: float, room: Floats, qd: Floats) -> None:
+def _rates(J: Array, twist: Array, damping: float, room: Array, qd: Array) -> None:
     """Sum of s / (s^2 + lambda^2) v u^T twist over the singular values s of J (6, n).
 
     lambda = `damping`, or if it is `AUTO` as `velocity.joint_rates` says. The rows of J become s v^T, and the twist,
@@ -73,7 +72,7 @@ def _rates(J: Floats, twist: Floats, damping: float, room: Floats, qd: Floats) -
 
 
 @loop(nogil=True, error_model="numpy")
-def rates_of_rows(J: Floats, twist: Floats, damping: float, qd: Floats) -> None:
+def rates_of_rows(J: Array, twist: Array, damping: float, qd: Array) -> None:
     """The rates of rows: J (N, 6, n), twist (N, 6), qd (N, n)."""
     room = np.empty(room_for(*J.shape[1:]))
     for row in range(J.shape[0]):

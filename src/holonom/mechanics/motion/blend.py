@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.errors import MotionError
 from holonom.mechanics.motion.trajectory import JointLimits, Trajectory, remainder
 
 __all__ = ["blend", "splice"]
 
-Array = NDArray[np.float64]
 
 _TRIALS = 33  # overlaps tried between the longest one and none
 _SLACK = 1.0 + 1e-9  # forgives the rounding of sums that meet a limit exactly

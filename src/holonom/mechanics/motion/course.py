@@ -8,9 +8,10 @@ from functools import partial
 from math import atan2, sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation, RotationSpline
 
+from holonom.arrays import Array
 from holonom.errors import MotionError, NotAPose, OutOfLimits, ShapeError
 from holonom.mechanics.motion.joint_path import joint_spline
 from holonom.mechanics.motion.trajectory import STILL
@@ -18,7 +19,6 @@ from holonom.spatial import check_pose
 
 __all__ = ["Course", "arc_about", "arc_through", "one_pose", "spline_through", "straight", "where"]
 
-Array = NDArray[np.float64]
 
 _TURN_LENGTH = 0.25  # m per rad: how much a turn counts beside a way in the parameter of a spline
 _DENSE = 2001  # values of s at which a spline's largest rates are looked for

@@ -5,8 +5,9 @@ from __future__ import annotations
 from math import inf
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, real_array
 from holonom.errors import OutOfLimits
 from holonom.mechanics.motion.profile import on_grid, time_law
 from holonom.mechanics.motion.trajectory import (
@@ -17,11 +18,8 @@ from holonom.mechanics.motion.trajectory import (
     joint_vector,
     standstill,
 )
-from holonom.trace import real_array
 
 __all__ = ["plan_joint"]
-
-Array = NDArray[np.float64]
 
 
 def plan_joint(

@@ -6,14 +6,13 @@ from math import factorial
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, real_array
 from holonom.errors import MotionError, OutOfLimits, ShapeError
-from holonom.trace import real_array
 
 __all__ = ["JointPath", "check_smooth", "joint_spline", "place_of"]
 
-Array = NDArray[np.float64]
 
 _CORNER = 1e-6  # jump of the direction, relative to the largest slope, that counts as a corner
 _STILL = 1e-9  # slope, relative to the largest one, that counts as standing still

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from holonom.mechanics.motion.course import one_pose, straight
 from holonom.mechanics.motion.tool import LineArm, ToolLimits, plan_course
 from holonom.mechanics.motion.trajectory import JointLimits, Trajectory, joint_vector
 
 __all__ = ["plan_line"]
-
-Array = NDArray[np.float64]
 
 
 def plan_line(

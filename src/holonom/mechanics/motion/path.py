@@ -7,19 +7,17 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from holonom.errors import NotAPose, ShapeError
+from holonom.arrays import Array, finite_array, real_array
+from holonom.errors import NotAPose
 from holonom.mechanics.motion.blend import blend as blended
 from holonom.mechanics.motion.course import Course, arc_about, arc_through, one_pose, spline_through, straight
 from holonom.mechanics.motion.tool import LineArm, ToolLimits, plan_course
 from holonom.mechanics.motion.trajectory import JointLimits, Trajectory, joint_vector, standstill
 from holonom.spatial import check_pose
-from holonom.trace import real_array
 
 __all__ = ["ArcAbout", "ArcTo", "LineTo", "Segment", "SplineTo", "plan_path"]
-
-Array = NDArray[np.float64]
 
 
 class Segment(Protocol):
@@ -51,7 +49,9 @@ class ArcTo:
         """The way of the tool from a pose (4, 4)."""
         via = real_array("the via point of an arc", self.via)
         place = via if via.shape == (3,) else one_pose("the via point of an arc", self.via)[:3, 3]
-        return arc_through(start, _finite("the via point of an arc", place), one_pose("the goal of an arc", self.goal))
+        return arc_through(
+            start, finite_array("the via point of an arc", place, (3,)), one_pose("the goal of an arc", self.goal)
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,10 @@ class ArcAbout:
 
     def course(self, start: Array) -> Course:
         """The way of the tool from a pose (4, 4)."""
-        center, axis = _finite("the center of an arc", self.center), _finite("the axis of an arc", self.axis)
+        center, axis = (
+            finite_array("the center of an arc", self.center, (3,)),
+            finite_array("the axis of an arc", self.axis, (3,)),
+        )
         turn = self.angle * axis / max(float(np.linalg.norm(axis)), 1e-300) if self.turn_tool else np.zeros(3)
         return arc_about(start, center, axis, self.angle, turn)
 
@@ -147,10 +150,3 @@ def _joined(first: Trajectory, second: Trajectory) -> Trajectory:
     qd = np.concatenate([first.qd, second.qd[1:]])
     qdd = np.concatenate([first.qdd, second.qdd[1:]])
     return Trajectory(first.dt, q, qd, qdd, second.line, begin=start, brake=start + second.brake)
-
-
-def _finite(name: str, value: ArrayLike) -> Array:
-    point = real_array(name, value)
-    if point.shape != (3,) or not np.isfinite(point).all():
-        raise ShapeError(f"{name} is {point}; give three finite numbers (3,)")
-    return point

@@ -12,14 +12,13 @@ from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.polynomial.polynomial import polyder, polyint, polyval
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.errors import OutOfLimits
 from holonom.registry import Method, Table
 
 __all__ = ["PROFILES", "GridSamples", "Law", "LawSamples", "Rise", "on_grid", "sample", "time_law"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,16 +7,15 @@ from math import ceil
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, real_array
 from holonom.errors import MotionError, OutOfLimits, ShapeError
 from holonom.mechanics.motion.joint_path import JointPath, check_smooth, place_of
 from holonom.mechanics.motion.trajectory import JointLimits, Trajectory
-from holonom.trace import real_array
 
 __all__ = ["DynamicArm", "retime"]
 
-Array = NDArray[np.float64]
 
 _SLACK = 1e-6  # excess over a limit, between samples too, that counts as kept
 _PASSES = 12

@@ -7,19 +7,15 @@ few enough to eliminate u by pairing the rows (Fourier and Motzkin), so no linea
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.trace.code.loops import loop
 
 __all__ = ["controllable", "fastest"]
 
-Floats = NDArray[np.float64]
-
 
 @loop(error_model="numpy")
-def controllable(
-    s: Floats, a: Floats, b: Floats, c: Floats, top: Floats, lower: Floats, upper: Floats, rows: Floats
-) -> int:
+def controllable(s: Array, a: Array, b: Array, c: Array, top: Array, lower: Array, upper: Array, rows: Array) -> int:
     """Squared speeds from which the path can be finished at rest, written to `lower` and `upper` (N,).
 
     Parameters
@@ -58,7 +54,7 @@ def controllable(
 
 @loop(error_model="numpy")
 def fastest(
-    s: Floats, a: Floats, b: Floats, c: Floats, lower: Floats, upper: Floats, x: Floats, u: Floats, rows: Floats
+    s: Array, a: Array, b: Array, c: Array, lower: Array, upper: Array, x: Array, u: Array, rows: Array
 ) -> None:
     """Greatest squared speeds `x` (N,) from rest that stay controllable, and the `u` (N - 1,) between them."""
     x[0] = 0.0
@@ -87,7 +83,7 @@ def _bound(coefficient: float, right: float, low: float, high: float) -> tuple[f
 
 
 @loop(error_model="numpy")
-def _stage(s: Floats, a: Floats, b: Floats, c: Floats, i: int, low: float, high: float, rows: Floats) -> None:
+def _stage(s: Array, a: Array, b: Array, c: Array, i: int, low: float, high: float, rows: Array) -> None:
     """All rows of the interval from i to i + 1: the limits at both its ends, and what is controllable at the next."""
     m, step = a.shape[1], 2.0 * (s[i + 1] - s[i])
     for k in range(m):

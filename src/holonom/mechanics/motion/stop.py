@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
+from holonom.arrays import Array
 from holonom.mechanics.motion.trajectory import STILL, JointLimits, Trajectory, remainder, standstill
 
 __all__ = ["stop"]
 
-Array = NDArray[np.float64]
 
 _ROUNDS = 3  # the place after a step depends on the rate after it; the error falls by a dt/qd in each round
 

@@ -9,6 +9,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.errors import InputError, MotionError
 from holonom.mechanics.arm.arm import IkStatus
 from holonom.mechanics.motion.course import Course, where
@@ -17,7 +18,6 @@ from holonom.mechanics.motion.trajectory import STILL, JointLimits, Trajectory, 
 
 __all__ = ["InverseSolutions", "LineArm", "ToolLimits", "plan_course"]
 
-Array = NDArray[np.float64]
 
 _SLOWEST = 50.0  # how many times slower than asked a line may become
 _MARGIN = 1.002  # slowed a little more than computed, for the new samples lie elsewhere on the line

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, real_array
 from holonom.errors import MotionError, OutOfLimits, ShapeError
-from holonom.trace import real_array
 
 __all__ = ["STILL", "JointLimits", "Trajectory", "check_inside", "joint_vector", "remainder", "standstill"]
 
-Array = NDArray[np.float64]
 
 STILL = 1e-12  # shorter motions (rad, m) are none
 

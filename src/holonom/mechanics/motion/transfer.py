@@ -7,15 +7,14 @@ from math import ceil, isfinite
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, real_array
 from holonom.errors import InputError, MotionError, OutOfLimits, ShapeError
 from holonom.mechanics.motion.trajectory import JointLimits, Trajectory, check_inside, joint_vector
-from holonom.trace import real_array
 
 __all__ = ["plan_transfer"]
 
-Array = NDArray[np.float64]
 State = Sequence[ArrayLike]
 
 

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from math import ceil, isfinite
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, real_array, vectors
 from holonom.errors import InputError, OutOfLimits, ShapeError, UnknownName
 from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.equations.dynamics.closed_loop import parameter_fields
 from holonom.mechanics.motion.trajectory import Trajectory
-from holonom.trace import Kernel, real_array
+from holonom.trace import Kernel
 
 __all__ = [
     "ComputedTorque",
@@ -30,7 +31,6 @@ __all__ = [
     "vector_of",
 ]
 
-Array = NDArray[np.float64]
 TorqueFunction = Callable[[float, Array, Array], ArrayLike]
 
 
@@ -147,14 +147,9 @@ def vector_of(name: str, value: ArrayLike, n: int) -> Array:
 
 def rows_of(name: str, value: ArrayLike, width: int) -> Array:
     """`value` as finite rows (K, width); (width,) gives K = 1."""
-    table = real_array(name, value)
-    if table.ndim not in (1, 2) or table.shape[-1] != width:
-        raise ShapeError(f"{name} has shape {table.shape}; ({width},) or (K, {width}) is needed")
-    if not np.isfinite(table).all():
-        *row, k = (int(i) for i in np.argwhere(~np.isfinite(table))[0])
-        place = f" in row {row[0]}" if row else ""
-        raise ShapeError(f"{name}[{k}] is {table[(*row, k)]}{place}; finite numbers are needed")
-    return np.atleast_2d(table)
+    if np.ndim(value) not in (1, 2):
+        raise ShapeError(f"{name} has shape {np.shape(value)}; ({width},) or (K, {width}) is needed")
+    return np.atleast_2d(vectors(name, value, width))
 
 
 def count_of(tables: Mapping[str, Array]) -> int:

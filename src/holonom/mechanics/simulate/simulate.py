@@ -18,6 +18,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from holonom.arrays import Array, real_array
 from holonom.errors import InputError, RunError, ShapeError, UnknownName
 from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.simulate.setup import (
@@ -34,7 +35,7 @@ from holonom.mechanics.simulate.setup import (
     time_grid,
     vector_of,
 )
-from holonom.trace import check_threads, real_array, share
+from holonom.trace import check_threads, share
 
 __all__ = [
     "METHODS",
@@ -46,8 +47,6 @@ __all__ = [
     "simulate",
     "simulate_ensemble",
 ]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, vectors
 from holonom.mobile.base.protocol import ConstrainedBase
 from holonom.mobile.equations.wheels import rolling_row, sliding_row
-from holonom.mobile.evaluation import samples
 
 __all__ = ["CastorRates", "castor_rates"]
-
-Array = NDArray[np.float64]
 
 
 class CastorRates(NamedTuple):
@@ -39,8 +37,8 @@ def castor_rates(base: ConstrainedBase, twist: ArrayLike, turned: ArrayLike | No
     ShapeError
     """
     castors = [w for w in base.layout.wheels if w.kind == "castor"]
-    xi = samples("twist", twist, 3)
-    angles = np.zeros(len(castors)) if turned is None else samples("turned", turned, len(castors))
+    xi = vectors("twist", twist, 3)
+    angles = np.zeros(len(castors)) if turned is None else vectors("turned", turned, len(castors))
     lead = np.broadcast_shapes(xi.shape[:-1], angles.shape[:-1])
     turning, rolling = np.empty((*lead, len(castors))), np.empty((*lead, len(castors)))
     for k, wheel in enumerate(castors):

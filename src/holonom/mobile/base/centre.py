@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from holonom.arrays import Array, vectors
 from holonom.errors import InputError
 from holonom.mobile.base.protocol import ConstrainedBase
 
 __all__ = ["Centre", "axle_miss", "centre_of_axles", "centre_of_twist"]
 
-Array = NDArray[np.float64]
 FAR = 1e-9
 """Turn per path over the base's size below which a motion counts as straight."""
 
@@ -42,9 +42,7 @@ def centre_of_twist(twist: ArrayLike) -> Centre:
     ------
     ShapeError
     """
-    from holonom.mobile.evaluation import samples
-
-    xi = samples("twist", twist, 3)
+    xi = vectors("twist", twist, 3)
     toward = np.stack([-xi[..., 1], xi[..., 0]], axis=-1)
     far = np.abs(xi[..., 2]) <= FAR * np.linalg.norm(toward, axis=-1)
     w = np.where(far, 1.0, xi[..., 2])[..., None]

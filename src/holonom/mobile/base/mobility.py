@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.errors import ModelError
 from holonom.mobile.base.centre import axle_miss
 from holonom.mobile.base.protocol import ConstrainedBase
@@ -21,7 +21,6 @@ __all__ = [
     "stance",
 ]  # fmt: skip
 
-Array = NDArray[np.float64]
 RANK = 1e-7
 """Singular value of the sliding rows (w scaled by the base's radius) below which they leave a motion free."""
 

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.mobile.equations.base_models import Layout
 
 __all__ = ["ConstrainedBase"]
-
-Array = NDArray[np.float64]
 
 
 class ConstrainedBase(Protocol):

@@ -5,23 +5,21 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, vectors
 from holonom.errors import InputError, OutOfLimits
 from holonom.mobile.base.protocol import ConstrainedBase
-from holonom.mobile.evaluation import samples
 
 __all__ = ["beyond_steering", "dragged_wheel", "undetermined"]
-
-Array = NDArray[np.float64]
 
 
 def dragged_wheel(base: ConstrainedBase, twist: ArrayLike, steering: ArrayLike | None, drag: Array) -> OutOfLimits:
     """Name the wheel that is dragged fastest, given how fast any is (..., columns), m/s."""
     worst = np.abs(drag).max(axis=-1)
     row = np.unravel_index(int(worst.argmax()), worst.shape)
-    at = base.steering(twist) if steering is None else samples("steering", steering, len(base.steered))
-    xi = np.broadcast_to(samples("twist", twist, 3), (*worst.shape, 3))[row]
+    at = base.steering(twist) if steering is None else vectors("steering", steering, len(base.steered))
+    xi = np.broadcast_to(vectors("twist", twist, 3), (*worst.shape, 3))[row]
     speeds = np.abs(base.sliding_matrix(np.broadcast_to(at, (*worst.shape, at.shape[-1]))[row]) @ xi)
     wheel = int(np.argmax(speeds > (1.0 - 1e-9) * speeds.max()))  # the first of those on one axle
     place = f" in row {tuple(int(k) for k in row)}" if row else ""

@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from holonom.arrays import is_finite, shown
 from holonom.errors import ModelError, UnknownName
 from holonom.mobile.equations.wheels import Row, rolling_row, sliding_row, spin_row, swedish_row, unit
-from holonom.mobile.evaluation import is_finite, shown
 from holonom.trace import Number
 
 __all__ = ["KINDS", "Kind", "Wheel"]

@@ -7,8 +7,9 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, finite, is_finite, is_number, shown, vectors
 from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError
 from holonom.mobile.base import equations as base_equations
 from holonom.mobile.base.castors import CastorRates, castor_rates
@@ -19,12 +20,11 @@ from holonom.mobile.base.wheel_set import named_wheels, positive
 from holonom.mobile.base.wheel_set import steering_groups as grouped
 from holonom.mobile.equations.base_models import Layout
 from holonom.mobile.equations.forward import DETERMINED
-from holonom.mobile.evaluation import BaseEquation, finite, is_finite, is_number, product, samples, shown
+from holonom.mobile.evaluation import BaseEquation, product
 from holonom.trace import Kernel, check_threads
 
 __all__ = ["WheelBase"]
 
-Array = NDArray[np.float64]
 DRAG = 1e-6
 """Sideways speed of a wheel, m/s, below which a twist counts as one that drags nothing."""
 
@@ -83,7 +83,7 @@ class WheelBase:
         self.radius = positive(name, "radius", spread if radius is None else radius)
         self.alpha = positive(name, "alpha", alpha)
         self.mass = None if mass is None else positive(name, "mass", mass)
-        self.com = samples("com", com, 2)
+        self.com = vectors("com", com, 2)
         if not (is_finite(com_height) and com_height >= 0.0):
             raise ModelError(
                 f"base {name!r} has com_height {shown(com_height)}; a height in m that is not below zero is needed"
@@ -143,7 +143,7 @@ class WheelBase:
 
     def _angles(self, steering: ArrayLike | None) -> Array:
         """Checked steering angles (..., k); those at rest for None."""
-        return np.zeros(len(self.steered)) if steering is None else samples("steering", steering, len(self.steered))
+        return np.zeros(len(self.steered)) if steering is None else vectors("steering", steering, len(self.steered))
 
     # inverse model
 
@@ -168,7 +168,7 @@ class WheelBase:
         ShapeError
         """
         if not self.steered:
-            twists = samples("twist", twist, 3)
+            twists = vectors("twist", twist, 3)
             return np.zeros((*twists.shape[:-1], 0))
         given = (twist,) if current is None else (twist, current)
         found = self.equation("steering" if current is None else "steering_near")(*given, out=out, threads=threads)[0]
@@ -206,7 +206,7 @@ class WheelBase:
         if not self.steered:
             check_threads(threads)
             self._angles(steering)
-            twists = samples("twist", twist, 3)
+            twists = vectors("twist", twist, 3)
             speeds, *drags = product(twists, self._inverse, out), twists @ self._sideways
         else:
             if steering is None and any(x < math.pi / 2 for x in self._max_steering):
@@ -240,7 +240,7 @@ class WheelBase:
         if not self.steered:
             check_threads(threads)
             self._angles(steering)
-            return product(samples("speeds", speeds, len(self.driven)), self._forward, out)
+            return product(vectors("speeds", speeds, len(self.driven)), self._forward, out)
         angles = np.zeros(len(self.steered)) if steering is None else steering
         found, *measures = self.equation("twist")(speeds, angles, out=out, threads=threads)
         if any(determined.min(initial=1.0) < DETERMINED for determined in measures):
@@ -251,12 +251,12 @@ class WheelBase:
         """Rim speeds (..., m), m/s, that no twist explains: measured minus those of `twist(speeds, steering)`."""
         twists = self.twist(speeds, steering)
         rows = self.rolling_matrix(steering)[..., self._driven_rows, :]
-        rims = samples("speeds", speeds, len(self.driven)) * self.wheel_radii
+        rims = vectors("speeds", speeds, len(self.driven)) * self.wheel_radii
         return rims - np.einsum("...ri,...i->...r", rows, twists)
 
     def sliding(self, twist: ArrayLike, steering: ArrayLike | None = None) -> Array:
         """Sideways speed (..., rows), m/s, of each wheel in `sliding_names`; `steering` None: at rest."""
-        return np.einsum("...ri,...i->...r", self.sliding_matrix(steering), samples("twist", twist, 3))
+        return np.einsum("...ri,...i->...r", self.sliding_matrix(steering), vectors("twist", twist, 3))
 
     def feasible(self, twist: ArrayLike, steering: ArrayLike | None = None) -> Array:
         """Nearest twist (..., 3), in (vx, vy, R w), that drags no wheel.
@@ -264,7 +264,7 @@ class WheelBase:
         `steering` (..., k) holds the wheels there; None lets them steer: fixed wheels are obeyed first, then steered
         ones are turned to what is left, then what shared steering cannot follow is taken away.
         """
-        twists = samples("twist", twist, 3)
+        twists = vectors("twist", twist, 3)
         if steering is None and self.steered:
             fixed = [not i for i in self._is_steered]
             twists = self._projected(twists, self.sliding_matrix()[fixed])

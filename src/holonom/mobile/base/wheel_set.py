@@ -5,9 +5,9 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
 
+from holonom.arrays import is_finite, shown
 from holonom.errors import ModelError, UnknownName
 from holonom.mobile.base.wheel import Wheel
-from holonom.mobile.evaluation import is_finite, shown
 
 __all__ = ["named_wheels", "positive", "steering_groups"]
 

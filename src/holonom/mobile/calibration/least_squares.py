@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.errors import CalibrationError, OutOfLimits
 from holonom.mobile.calibration.limits import attainable, classical, largest_errors, within
 from holonom.mobile.calibration.parameters import DriveParameters, article, drive_parameters, wheels_of
@@ -16,8 +16,6 @@ from holonom.mobile.calibration.runs import PathErrors, Run, dead_reckoning, nee
 from holonom.mobile.calibration.uncertainty import check_excitation, random_walk_covariance
 
 __all__ = ["Calibration", "calibrate", "held_out_errors"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,11 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
+from holonom.arrays import Array
 from holonom.mobile.calibration.residuals import Problem, RunPart, solve
 
 __all__ = ["attainable", "classical", "largest_errors", "within"]
 
-Array = NDArray[np.float64]
 
 PASSES = 30  # linearisations; three to six are usual
 NEAR = 0.5  # share of its limit above which an error is watched

@@ -12,13 +12,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.errors import CalibrationError, OutOfLimits, UnknownName
 
 __all__ = ["DRIVES", "SETS", "DriveParameters", "article", "drive_parameters", "wheels_of"]
 
-Array = NDArray[np.float64]
 
 SETS = ("physical", "extended")
 

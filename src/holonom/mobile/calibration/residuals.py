@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import optimize
 
+from holonom.arrays import Array
 from holonom.mobile.calibration.parameters import DriveParameters
 from holonom.mobile.calibration.runs import Run
 from holonom.mobile.odometry.integrate import rule_named
@@ -16,7 +16,6 @@ from holonom.mobile.odometry.kernels import sensitivities_into
 
 __all__ = ["Problem", "RunPart", "path_lever", "solve"]
 
-Array = NDArray[np.float64]
 
 EVALUATIONS = 60  # of the residuals; a determined problem takes about ten
 

@@ -6,14 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.errors import CalibrationError, ShapeError
 from holonom.mobile.odometry import integrate
 
 __all__ = ["PathErrors", "Run", "dead_reckoning", "need_truth", "path_errors"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,15 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.errors import CalibrationError, OutOfLimits, UnknownName
 from holonom.mobile.calibration.parameters import drive_parameters
 from holonom.mobile.calibration.runs import PathErrors, Run, dead_reckoning, need_truth, path_errors
 
 __all__ = ["FORMS", "UMBmark", "umbmark"]
 
-Array = NDArray[np.float64]
 
 FORMS = {"x": (1.0, 0.0), "y": (0.0, 1.0), "mean": (0.5, 0.5)}
 """Forms of the method: the weights of the angles by the errors along x and along y."""

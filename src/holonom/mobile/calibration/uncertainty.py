@@ -12,16 +12,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import nnls
 
+from holonom.arrays import Array
 from holonom.errors import CalibrationError
 from holonom.mobile.calibration.parameters import DriveParameters
 from holonom.mobile.calibration.residuals import RunPart
 
 __all__ = ["check_excitation", "random_walk_covariance"]
 
-Array = NDArray[np.float64]
 
 UNSEEN = 1e-7  # relative singular value below which a combination has no effect at all
 OPEN = 0.3  # standard deviation of a combination, relative to the parameters' scale, above which it is left open

@@ -6,16 +6,14 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.devices import Accelerometer, CurrentShunt, DcMotor, Encoder, Friction, Gear, Gyro
 from holonom.errors import ModelError
 from holonom.mobile.base.wheel_base import WheelBase
+from holonom.model.gravity import GRAVITY
 
 __all__ = ["GRAVITY", "BaseDrive", "BaseSensors", "base_mass", "load_shares"]
-
-Array = NDArray[np.float64]
-GRAVITY = 9.80665
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from holonom.arrays import Array, finite, is_finite, shown
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile.base.wheel_base import WheelBase
-from holonom.mobile.evaluation import finite, is_finite, shown
 
 __all__ = [
     "Coupling",
@@ -31,7 +31,6 @@ __all__ = [
     "wheel_forces",
 ]
 
-Array = NDArray[np.float64]
 Wheels = int | str | Iterable[int | str]
 """Driven wheels, each by its name or by its number from 0 on."""
 

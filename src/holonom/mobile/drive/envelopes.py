@@ -16,11 +16,11 @@ import numpy as np
 import scipy.linalg
 from numpy.typing import ArrayLike, NDArray
 
+from holonom.arrays import Array, finite, vectors
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.coupling import Coupling, Wheels, coupling_of, live_wheels
 from holonom.mobile.drive.limits import DriveLimits
-from holonom.mobile.evaluation import finite, samples
 
 __all__ = [
     "Envelope",
@@ -32,7 +32,6 @@ __all__ = [
     "speed_envelope",
 ]
 
-Array = NDArray[np.float64]
 Base = WheelBase | Coupling | ArrayLike
 _ZERO = 1e-10
 _HALVINGS = 48
@@ -158,7 +157,7 @@ def acceleration_envelope(
     coupling = coupling_of(base)
     phi, D, R = _directions(directions), coupling.velocity, coupling.radius
     live = live_wheels(coupling, out)
-    rims = D @ (samples("twist", twist, 3) * [1.0, 1.0, R])
+    rims = D @ (vectors("twist", twist, 3) * [1.0, 1.0, R])
     motor_low, motor_high = drive.motor_limits(rims)
     turn = coupling.alpha * drive.mass * R * angular_acceleration
 

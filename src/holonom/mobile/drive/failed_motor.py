@@ -9,13 +9,13 @@ from typing import Literal
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import optimize
 
+from holonom.arrays import Array, is_finite, real_array, shown, vectors
 from holonom.errors import OutOfLimits, ShapeError, UnknownName
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.coupling import Coupling, Wheels, coupling_of, live_wheels
-from holonom.mobile.evaluation import is_finite, numbers, samples, shown
 
 __all__ = [
     "Actuation",
@@ -28,7 +28,6 @@ __all__ = [
     "redistribute",
 ]
 
-Array = NDArray[np.float64]
 Base = WheelBase | Coupling | ArrayLike
 _RANK = 1e-9
 _MET = 1e-6  # of the acceleration asked for: what may be missed where it counts as met
@@ -194,7 +193,7 @@ def feasible_twist(base: Base, twist: ArrayLike, *, blocked: Wheels = ()) -> Arr
     ShapeError, OutOfLimits, UnknownName
     """
     scale = _scale(coupling_of(base))
-    wanted = samples("twist", twist, 3)
+    wanted = vectors("twist", twist, 3)
     free = possible_twists(base, blocked=blocked) * scale[:, None]
     nearest: Array = wanted * scale @ free @ free.T / scale
     return nearest
@@ -270,14 +269,14 @@ def _scale(coupling: Coupling) -> Array:
 
 
 def _demand(acceleration: ArrayLike, coupling: Coupling) -> Array:
-    a = samples("acceleration", acceleration, 3)
+    a = vectors("acceleration", acceleration, 3)
     if a.ndim != 1:
         raise ShapeError(f"acceleration has shape {a.shape}; (3,) is needed: ax, ay, wd")
     return a * _scale(coupling)
 
 
 def _force_limits(limits: ArrayLike, n: int) -> Array:
-    high = numbers("force limits", limits)
+    high = real_array("force limits", limits)
     if high.shape not in ((), (n,)) or not (high >= 0.0).all():
         raise ShapeError(f"force limits are {high}; they must be a number or ({n},) of them in N, none below 0")
     return np.broadcast_to(high, (n,))

@@ -6,17 +6,15 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, finite, is_number, real_array, shown
 from holonom.devices import DcMotor, Gear
 from holonom.errors import InputError, OutOfLimits, ShapeError
 from holonom.mobile.base.wheel_base import WheelBase
-from holonom.mobile.evaluation import finite, is_number, numbers, shown
 from holonom.mobile.stability import wheel_loads
 
 __all__ = ["DriveLimits", "drive_limits"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +54,7 @@ class DriveLimits:
             value = getattr(self, name)
             if not (is_number(value) and value > 0.0 and (name == "friction" or math.isfinite(value))):
                 raise OutOfLimits(f"drive limits: {name} is {shown(value)}; it must be a number above 0")
-        loads = numbers("drive limits: loads", self.loads)
+        loads = real_array("drive limits: loads", self.loads)
         if loads.ndim != 1 or not (loads >= 0.0).all():
             raise ShapeError(f"drive limits: loads are {loads}; they must be (n,) forces in N, none below 0")
         if self.transfer is not None and np.shape(self.transfer) != (len(loads), 2):

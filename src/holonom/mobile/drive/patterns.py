@@ -9,17 +9,16 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, finite, is_finite, shown
 from holonom.devices import DcMotor, Gear
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.coupling import Coupling, coupling_of
-from holonom.mobile.evaluation import finite, is_finite, shown
 
 __all__ = ["PatternParts", "copper_loss", "idle_patterns", "readable_patterns", "split_pattern"]
 
-Array = NDArray[np.float64]
 _ZERO = 1e-9
 
 

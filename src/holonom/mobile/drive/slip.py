@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
+from holonom.arrays import Array, finite_array
 from holonom.errors import ModelError, ShapeError
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.coupling import Coupling, coupling_of
@@ -30,7 +31,6 @@ from holonom.registry import check_fields, parameter
 
 __all__ = ["SlipReport", "SlipSettings", "SlipStatus", "detect_slip", "separable_wheels", "slip_params"]
 
-Array = NDArray[np.float64]
 _MARGIN = 1.25  # of what noise and limits allow: a wheel is named once every other is out by more
 _RANK = 1e-9  # of a singular value beside the largest: below it the wheels do not determine the twist
 
@@ -159,8 +159,8 @@ def detect_slip(
     coupling = coupling_of(base)
     params = slip_params(coupling, settings)
     n, R, D = coupling.wheels, coupling.radius, coupling.velocity
-    m = _finite("speeds", speeds, (-1, n))
-    gyro = np.full(len(m), np.nan) if rate is None else _finite("rate", rate, (len(m),))
+    m = np.ascontiguousarray(finite_array("speeds", speeds, ("samples", n)))
+    gyro = np.full(len(m), np.nan) if rate is None else np.ascontiguousarray(finite_array("rate", rate, (len(m),)))
     push = np.full((len(m), 3), np.nan)
     if acceleration is not None:
         push = np.array(acceleration, float)
@@ -297,13 +297,3 @@ def _blur(
             shift = K[:, s[0]] * slip
             linear, angular = max(linear, math.hypot(shift[0], shift[1])), max(angular, abs(shift[2]))
     return linear, angular
-
-
-def _finite(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
-    array: Array = np.ascontiguousarray(values, np.float64)
-    if array.ndim != len(shape) or any(w not in (-1, k) for w, k in zip(shape, array.shape, strict=True)):
-        raise ShapeError(f"{name} has shape {array.shape}; it must be {shape} (-1: any)")
-    if not np.isfinite(array).all():
-        row = int(np.argwhere(~np.isfinite(array))[0][0])
-        raise ShapeError(f"{name} holds {array[row]} at sample {row}; all must be finite numbers")
-    return array

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.trace.code.loops import loop
 
 __all__ = ["AMBIGUOUS", "NO_SLIP", "SLIP", "UNDETECTABLE", "SlipParams", "SlipSample", "SlipState", "slip_samples",
@@ -26,7 +27,6 @@ LEFT_OUT, BOUND, LINEAR, ANGULAR, RATE, INVERSE = 0, 1, 2, 3, 4, 5
 noise alone carries the twist from the last one (linear, R w) and R w from the gyro's, m/s; then the least-squares
 inverse without those wheels, vx, vy, R w per rim speed, wheel after wheel."""
 
-Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
@@ -39,8 +39,8 @@ class SlipParams(NamedTuple):
 
     dt: float
     radius: float
-    rows: Floats  # (n, 4): row of D and 1 / noise (s/m) of each wheel
-    hypotheses: Floats  # (h, 5 + 3 n), columns below
+    rows: Array  # (n, 4): row of D and 1 / noise (s/m) of each wheel
+    hypotheses: Array  # (h, 5 + 3 n), columns below
     max_acceleration: float  # m/s2
     max_turning: float  # R times angular acceleration, m/s2
     acceleration_error: float  # where an acceleration is measured, m/s2
@@ -103,7 +103,7 @@ def slip_start() -> SlipState:
 
 @loop(error_model="numpy")
 def slip_step(
-    params: SlipParams, state: SlipState, speeds: Floats, rate: float, acceleration: Floats
+    params: SlipParams, state: SlipState, speeds: Array, rate: float, acceleration: Array
 ) -> tuple[SlipState, SlipSample]:
     """Take one sample of wheel speeds; return the next state and what the sample says (specification 6.2).
 
@@ -159,8 +159,8 @@ def slip_step(
 
 @loop(error_model="numpy")
 def slip_samples(
-    params: SlipParams, state: SlipState, speeds: Floats, rate: Floats, acceleration: Floats,
-    status: Integers, wheels: Integers, twist: Floats, statistic: Floats,
+    params: SlipParams, state: SlipState, speeds: Array, rate: Array, acceleration: Array,
+    status: Integers, wheels: Integers, twist: Array, statistic: Array,
 ) -> SlipState:  # fmt: skip
     """`slip_step` over (N, n), (N,), (N, 3); write status (N,), named and candidates (N, 2), twist, statistic."""
     for k in range(speeds.shape[0]):
@@ -185,7 +185,7 @@ def _sample(
 
 
 @loop(error_model="numpy")
-def _carry(params: SlipParams, state: SlipState, rate: float, acceleration: Floats) -> SlipState:
+def _carry(params: SlipParams, state: SlipState, rate: float, acceleration: Array) -> SlipState:
     """Last trusted twist in base_link one sample later: the frame turns under it, the base may accelerate."""
     dt = params.dt
     w = rate if math.isfinite(rate) else state.rw / params.radius
@@ -218,7 +218,7 @@ def _trust(state: SlipState, vx: float, vy: float, rw: float) -> SlipState:
 
 
 @loop(error_model="numpy")
-def _side(params: SlipParams, speeds: Floats, vx: float, vy: float, rw: float) -> int:
+def _side(params: SlipParams, speeds: Array, vx: float, vy: float, rw: float) -> int:
     """Sign of the residual where it has one direction only; 0 where it has more."""
     i = params.pivot
     if i < 0:
@@ -228,7 +228,7 @@ def _side(params: SlipParams, speeds: Floats, vx: float, vy: float, rw: float) -
 
 
 @loop(error_model="numpy")
-def _fit(params: SlipParams, h: int, speeds: Floats) -> tuple[float, float, float, float]:
+def _fit(params: SlipParams, h: int, speeds: Array) -> tuple[float, float, float, float]:
     """Twist of hypothesis h, and the weighted square sum of what it leaves of the wheels that it keeps."""
     rows, table = params.rows, params.hypotheses
     n, left_out = speeds.shape[0], int(table[h, LEFT_OUT])
@@ -260,7 +260,7 @@ def _distance(params: SlipParams, h: int, last: SlipState, vx: float, vy: float,
 
 
 @loop(error_model="numpy")
-def _standing(params: SlipParams, last: SlipState, speeds: Floats, rate: float) -> tuple[int, int, int]:
+def _standing(params: SlipParams, last: SlipState, speeds: Array, rate: float) -> tuple[int, int, int]:
     """Wheels common to all standing hypotheses, wheels of any of them, and the nearest to the second sources.
 
     Two wheels are tried where no single wheel will do, or always if `most` is 2. Among the nearest, those that hold

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.odometry.integrate import increments_of, pose_of, rule_named
@@ -14,7 +15,6 @@ from holonom.mobile.odometry.kernels import propagate_into
 
 __all__ = ["UncertainPath", "increment_noise", "integrate_with_covariance", "steering_jacobians"]
 
-Array = NDArray[np.float64]
 
 STEP = 1e-5  # rad, of differences by a steering angle
 

@@ -12,7 +12,6 @@ from holonom.mobile.odometry.integrate import increments_of
 
 __all__ = ["Flags", "find_gaps", "flag"]
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.mobile.odometry.kernels import all_finite, integrate_into
 from holonom.registry import Method, Table
@@ -20,8 +21,6 @@ __all__ = [
     "metres_per_tick",
     "rule_named",
 ]
-
-Array = NDArray[np.float64]
 
 
 class Rule(NamedTuple):

@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.trace.code.compiled import TRIG_FLAGS, select, sincos
 from holonom.trace.code.loops import loop
 
 __all__ = ["all_finite", "integrate_into", "propagate_into", "sensitivities_into"]
 
-Floats = NDArray[np.float64]
 
 LANES = 64
 SMALL = 1e-4  # turn of one step, rad, below which the chord's length is its series
 
 
 @loop(error_model="numpy")
-def all_finite(rows: Floats) -> bool:
+def all_finite(rows: Array) -> bool:
     """Whether no number of (N, m) is NaN or infinite."""
     for k in range(rows.shape[0]):
         for j in range(rows.shape[1]):
@@ -37,7 +36,7 @@ def _chord(turn: float) -> tuple[float, float]:
 
 
 @loop(nogil=True, error_model="numpy", fastmath=TRIG_FLAGS)
-def integrate_into(features: Floats, M: Floats, start: Floats, share: float, exact: bool, poses: Floats) -> None:
+def integrate_into(features: Array, M: Array, start: Array, share: float, exact: bool, poses: Array) -> None:
     """Add up increments `M features[k]` (3,) in the robot frame from `start` (3,); `poses` (N, 3) follow each one.
 
     `share` of the turn comes before the straight part; with `exact` that part is the chord of an arc. Block by block:
@@ -80,7 +79,7 @@ def integrate_into(features: Floats, M: Floats, start: Floats, share: float, exa
 
 @loop(error_model="numpy")
 def step_jacobians(
-    theta: float, increment: Floats, share: float, exact: bool, by_pose: Floats, by_increment: Floats
+    theta: float, increment: Array, share: float, exact: bool, by_pose: Array, by_increment: Array
 ) -> None:
     """Derivatives (3, 3) of the pose behind one step by the pose before it and by the increment."""
     turn = increment[2]
@@ -104,14 +103,14 @@ def step_jacobians(
 
 @loop(error_model="numpy")
 def propagate_into(
-    increments: Floats,
-    noise: Floats,
-    start: Floats,
-    covariance: Floats,
+    increments: Array,
+    noise: Array,
+    start: Array,
+    covariance: Array,
     share: float,
     exact: bool,
-    poses: Floats,
-    out: Floats,
+    poses: Array,
+    out: Array,
 ) -> None:
     """Poses (N, 3) and their covariances `out` (N, 3, 3), from `covariance` (3, 3) and that of each increment."""
     integrate_into(increments, np.eye(3), start, share, exact, poses)
@@ -129,7 +128,7 @@ def propagate_into(
 
 
 @loop(error_model="numpy")
-def _congruence(A: Floats, S: Floats, half: Floats, out: Floats) -> None:
+def _congruence(A: Array, S: Array, half: Array, out: Array) -> None:
     """`out = A S A^T`, 3 x 3, by way of `half`."""
     for i in range(3):
         for j in range(3):
@@ -141,7 +140,7 @@ def _congruence(A: Floats, S: Floats, half: Floats, out: Floats) -> None:
 
 @loop(error_model="numpy")
 def sensitivities_into(
-    features: Floats, M: Floats, start: Floats, share: float, exact: bool, poses: Floats, out: Floats
+    features: Array, M: Array, start: Array, share: float, exact: bool, poses: Array, out: Array
 ) -> None:
     """Poses (N, 3) of increments `M features[k]`, and their derivatives `out` (N, 3, 3 m) by `M` (3, m), row by row."""
     n, m = features.shape

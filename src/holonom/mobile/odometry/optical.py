@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.errors import CalibrationError, ModelError, ShapeError
 from holonom.mobile.odometry.integrate import increments_of
 
 __all__ = ["OpticalIncrements", "OpticalSensor", "calibrate_optical", "optical_increments"]
 
-Array = NDArray[np.float64]
 
 UNSEEN = 1e-6  # relative singular value below which the motion says nothing about a parameter
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.devices.drive_signals import JointSignals
 from holonom.devices.kernels import armature_step, encoder_counter, friction_torque, gear_torque
 from holonom.trace.call.pointer import call_kernel
@@ -18,13 +19,12 @@ from holonom.trace.code.loops import loop
 
 __all__ = ["arm_step", "compare", "sense"]
 
-Floats = NDArray[np.float64]
 Records = NDArray[np.void]
 
 
 @loop(error_model="numpy", forceinline=True)
 def arm_step(
-    plant: int, dt: float, axes: Records, states: Records, signals: JointSignals, source: Floats, target: Floats
+    plant: int, dt: float, axes: Records, states: Records, signals: JointSignals, source: Array, target: Array
 ) -> float:
     """One step of `dt` (s) under the voltages of `signals`; its currents are written. Return the contact force, N.
 
@@ -50,7 +50,7 @@ def sense(axes: Records, states: Records, signals: JointSignals) -> None:
 
 
 @loop(error_model="numpy", forceinline=True)
-def compare(states: Records, reference: Floats) -> None:
+def compare(states: Records, reference: Array) -> None:
     """Following errors: the true positions against a reference (n,)."""
     for i in range(states.shape[0]):
         state = states[i]

@@ -6,8 +6,9 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array
 from holonom.devices import DcMotor, Encoder, Friction, Gear
 from holonom.devices.drive_signals import JointSignals
 from holonom.errors import OutOfLimits, ShapeError
@@ -20,7 +21,6 @@ from holonom.trace.call.records import record_table
 
 __all__ = ["STEP", "ArmPlant", "AxisDrive", "Ground"]
 
-Array = NDArray[np.float64]
 
 STEP = 1e-4
 """Step of the arm and its motors, s."""

@@ -7,16 +7,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.errors import MotionError
+from holonom.model.gravity import GRAVITY
 from holonom.spatial import inverse
 
 __all__ = ["Disc", "Fingers", "Gripper", "Surface", "World"]
 
-Array = NDArray[np.float64]
 
-GRAVITY = 9.81
 RESTING, HELD, FALLING = "resting", "held", "falling"
 LEAST_OVERLAP = 0.3e-3
 """Height (m) over which fingertips and disc must overlap for a grasp."""

@@ -15,7 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.devices.kernels import armature_step
+from holonom.model.gravity import GRAVITY
 from holonom.trace.code.compiled import arctan, select, sincos_half_turn
 from holonom.trace.code.loops import loop
 from holonom.trace.code.simd import any_of, packed, total
@@ -34,12 +36,10 @@ RUNS, DEAD, BLOCKED = 0, 1, 2
 """A motor that works, one without current that turns freely, one that is jammed."""
 
 FLAGS = {"contract"}
-GRAVITY = 9.80665
 ROLLER_SMOOTHING = 0.01  # m/s, below which roller drag goes over into its opposite
 LEAST_SLIP = 1e-9  # m/s, keeps the direction of slip defined
 JAMMED = 1e12  # kg m2
 
-Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Records = NDArray[np.void]
 
@@ -65,7 +65,7 @@ def break_motor(states: Any, lane: int, kind: int) -> None:
 
 
 @loop(error_model="numpy", fastmath=FLAGS)
-def plant_steps(body: Any, state: Any, wheels: Records, states: Records, passive: Floats) -> None:
+def plant_steps(body: Any, state: Any, wheels: Records, states: Records, passive: Array) -> None:
     """Advance body and wheels by `body.substeps` steps of `body.dt`, in place.
 
     Four wheels are a record of `packed` numbers. `passive` (k, 3) spreads the weight and its moments over the supports
@@ -76,7 +76,7 @@ def plant_steps(body: Any, state: Any, wheels: Records, states: Records, passive
 
 
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
-def _step(body: Any, state: Any, wheels: Records, states: Records, passive: Floats) -> None:
+def _step(body: Any, state: Any, wheels: Records, states: Records, passive: Array) -> None:
     """Forces from the slip at the end of the step, to first order; wheels are eliminated, the body's 3 x 3 is left."""
     h = body.dt
     part = _weigh(body, state, wheels, states, passive)
@@ -114,7 +114,7 @@ def _step(body: Any, state: Any, wheels: Records, states: Records, passive: Floa
 
 
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
-def _weigh(body: Any, state: Any, wheels: Records, states: Records, passive: Floats) -> float:
+def _weigh(body: Any, state: Any, wheels: Records, states: Records, passive: Array) -> float:
     """Loads (N) from weight and the moments `-M a h` of acceleration; what they must be scaled by to carry the weight.
 
     No wheel can pull on the floor.

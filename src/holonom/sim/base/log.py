@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["BaseTruth", "columns", "of_wheels", "truth_of"]
+from holonom.arrays import Array
 
-Array = NDArray[np.float64]
+__all__ = ["BaseTruth", "columns", "of_wheels", "truth_of"]
 
 
 @dataclass(frozen=True, slots=True)

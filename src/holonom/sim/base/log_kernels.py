@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.devices.drive_signals import WheelSignals
 from holonom.sim.base.step_kernels import BasePlantParams, advance
 from holonom.trace.code.loops import loop
@@ -14,7 +15,6 @@ from holonom.trace.code.simd import WIDTH, packed
 
 __all__ = ["drive_open", "log_body", "log_wheels"]
 
-Floats = NDArray[np.float64]
 Records = NDArray[np.void]
 
 
@@ -45,8 +45,8 @@ def drive_open(
     state: Records,
     states: Records,
     signals: WheelSignals,
-    noise: Floats,
-    voltages: Floats,
+    noise: Array,
+    voltages: Array,
     body_log: Records,
     wheel_log: Records,
 ) -> None:

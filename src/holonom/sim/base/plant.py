@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from holonom.arrays import Array, finite_array, real_array, whole_number
 from holonom.devices.drive_signals import WheelSignals
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile.base.wheel import Wheel
@@ -22,11 +23,9 @@ from holonom.sim.base.records import BODY, BODY_SAMPLE, BODY_STATE, WHEEL, WHEEL
 from holonom.sim.base.step_kernels import BasePlantParams, SensorParams, sense
 from holonom.trace.call.records import aligned_records, side_by_side
 from holonom.trace.code.simd import WIDTH
-from holonom.trace.real import finite_array, real_array, whole_number
 
 __all__ = ["FAULTS", "SIMULATED", "TICK", "BaseFault", "BasePlant", "driven_wheels"]
 
-Array = NDArray[np.float64]
 
 TICK = 1e-3
 """Time (s) that one step of the plant takes; sensors are read after each."""

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.devices.drive_signals import WheelSignals
 from holonom.devices.kernels import EncoderParams, encoder_counter
 from holonom.sim.base.kernels import break_motor, plant_steps
@@ -18,7 +19,6 @@ __all__ = ["BasePlantParams", "SensorParams", "advance", "find_material", "sense
 
 FLAGS = {"contract"}
 TICK = 1e-3  # s, of a step
-Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Records = NDArray[np.void]
 
@@ -38,17 +38,17 @@ class BasePlantParams(NamedTuple):
 
     body: Records  # (1,)
     wheels: Records  # (n,) fours
-    passive: Floats  # (k, 3) how weight and its moments spread over the supports beside the driven wheels
+    passive: Array  # (k, 3) how weight and its moments spread over the supports beside the driven wheels
     floor: Records
     patches: Records
     faults: Integers  # (f, 3) tick, wheel, kind, in order of time
     sensors: SensorParams
     ideal: bool  # wheels turn as they are told, and do not slip
-    forward: Floats  # (3, 4 n) twist (vx, vy, w) per wheel speed where nothing slips
+    forward: Array  # (3, 4 n) twist (vx, vy, w) per wheel speed where nothing slips
 
 
 @loop(error_model="numpy", forceinline=True)
-def advance(params: BasePlantParams, state: Records, states: Records, signals: WheelSignals, noise: Floats) -> None:
+def advance(params: BasePlantParams, state: Records, states: Records, signals: WheelSignals, noise: Array) -> None:
     """One millisecond under the voltages of `signals`, then what the sensors read, in it.
 
     `noise` (3 + 4 n,) are standard normal numbers: gyro, accelerometers, shunts.
@@ -68,7 +68,7 @@ def advance(params: BasePlantParams, state: Records, states: Records, signals: W
 
 
 @loop(error_model="numpy", forceinline=True)
-def sense(params: BasePlantParams, state: Records, states: Records, signals: WheelSignals, noise: Floats) -> None:
+def sense(params: BasePlantParams, state: Records, states: Records, signals: WheelSignals, noise: Array) -> None:
     """What breaks now breaks; then counters (16 bit), currents (A), turning rate (rad/s) and acceleration (m/s2)."""
     body, sensors = state[0], params.sensors
     while body.fault < len(params.faults) and params.faults[body.fault, 0] <= body.tick:

@@ -6,13 +6,12 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.trace.line.graph import Graph, Scalar, live_nodes
 
 __all__ = ["ArrayEquation", "on_arrays"]
 
-Array = NDArray[np.float64]
 CHUNK = 256  # rows at a time: every node of the graph holds one array of this length
 
 _FUNCTIONS: Mapping[object, Callable[..., Any]] = {

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.cell.build.arm_control import control_of
 from holonom.app.cell.build.camera import Seen, parts_for
@@ -19,6 +18,7 @@ from holonom.app.cell.model.drives import ArmLimits, JointDrive
 from holonom.app.cell.model.places import placement_pose
 from holonom.app.cell.model.robot import GripperTool, Robot, RodTool
 from holonom.app.job import ArmJob, Mount
+from holonom.arrays import Array
 from holonom.errors import CellError, InputError, ModelError, ProgramFault, UnknownName
 from holonom.lang import Program, load_program, start
 from holonom.machine import LineSettings
@@ -32,7 +32,6 @@ from holonom.spatial import pose
 
 __all__ = ["ArmBuild", "build_arm_job"]
 
-Array = NDArray[np.float64]
 RUN_UP = 0.25
 """s in which a joint without an acceleration limit reaches its speed limit, where its torque allows."""
 BESIDE = 0.01

@@ -6,7 +6,6 @@ import dataclasses
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.cell.load import place_in
 from holonom.app.cell.model.cell import Cell
@@ -15,6 +14,7 @@ from holonom.app.cell.model.places import placement_pose
 from holonom.app.cell.model.robot import Robot
 from holonom.app.cell.model.tasks import FAULTS, PathTable, StartTable
 from holonom.app.job import BaseJob, Task
+from holonom.arrays import Array
 from holonom.control.shaping import ShapingSettings
 from holonom.devices import DcMotor, Encoder, Friction, Gear
 from holonom.errors import CellError, InputError, ModelError
@@ -27,7 +27,6 @@ from holonom.spatial import pose
 
 __all__ = ["build_base_job", "deck_height", "refuse_unsimulated", "unsimulated"]
 
-Array = NDArray[np.float64]
 DECK = 2.6
 """Height of a drawn deck over the radius of the largest wheel."""
 AWAY = 1e-3  # m and rad that the start of a path may lie beside the pose that a cell states

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from holonom.app.cell.load import place_in
@@ -17,6 +16,7 @@ from holonom.app.cell.model.places import placement_pose
 from holonom.app.cell.model.robot import GripperTool
 from holonom.app.cell.model.world import Camera
 from holonom.app.report import Detection, PhotoOverlay
+from holonom.arrays import Array
 from holonom.errors import CalibrationError, CellError, ImageError
 from holonom.lang import Part
 from holonom.sim import Disc as SimulatedDisc
@@ -36,7 +36,6 @@ from holonom.vision import (
 
 __all__ = ["OTHER", "Seen", "calibrate", "look", "overlay", "parts_for", "pixel_axes", "simulated_parts"]
 
-Array = NDArray[np.float64]
 FINGER_CLEARANCE = 1.5e-3
 """Room (m) wanted between an open finger and a neighbouring part."""
 OTHER = "#94a3b8"

@@ -5,9 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from holonom.app.cell.build.arm import ArmBuild, build_arm_job
 from holonom.app.cell.build.base import build_base_job, refuse_unsimulated
 from holonom.app.cell.build.camera import Seen, look, overlay, simulated_parts
@@ -20,6 +17,7 @@ from holonom.app.cell.model.world import Patch
 from holonom.app.cell.never import refuse_never, too_late
 from holonom.app.cell.scene.scene import build_scene
 from holonom.app.job import ArmJob, BaseJob, FieldPlace, Job, Mount, Obstacle, SensorJob, SignalEvent
+from holonom.arrays import Array
 from holonom.devices import Accelerometer, CurrentShunt, Gyro
 from holonom.errors import CellError
 from holonom.mobile import BaseSensors
@@ -28,7 +26,6 @@ from holonom.spatial import pose
 
 __all__ = ["build_job", "refuse_unsimulated"]
 
-Array = NDArray[np.float64]
 OF_BASES = {
     Gyro: {"noise": "gyro_noise", "bias": "gyro_bias"},
     Accelerometer: {"noise": "accelerometer_noise", "bias": "accelerometer_bias"},

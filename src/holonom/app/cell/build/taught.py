@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.errors import MotionError
 from holonom.lang import Configuration, Program
 from holonom.lang.program import Operand
@@ -17,7 +17,6 @@ from holonom.mechanics import Arm
 
 __all__ = ["taught_problems"]
 
-Array = NDArray[np.float64]
 
 _MOVES_THE_FRAME = {"BASE", "TOOL"}
 _USES_AS_FRAME = {"FRAME", "INVERSE"}

@@ -6,18 +6,17 @@ import dataclasses
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.cell.model.robot import GripperTool, Robot
 from holonom.app.recording.scope import Scope
 from holonom.app.report import Box, Disc, Label, Shape, Tube, arm_shapes, gripper_shapes
 from holonom.app.report.drawing.arms import drawn_arms
+from holonom.arrays import Array
 from holonom.model import ArmModel
 from holonom.spatial import inverse
 
 __all__ = ["arm_reach", "shapes_of_arm"]
 
-Array = NDArray[np.float64]
 BODY, JOINT, METAL = "#eef1f5", "#33415c", "#aab4c3"
 THICK = 0.045
 """Radius of the first link over the arm's reach; the last one's is half of it."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from holonom.app.cell.build.base import deck_height
@@ -13,13 +12,13 @@ from holonom.app.cell.model.world import Patch
 from holonom.app.job import BaseJob
 from holonom.app.recording.scope import Scope
 from holonom.app.report import Box, Label, Shape, Tube
+from holonom.arrays import Array
 from holonom.mobile import Wheel, WheelBase
 from holonom.sim.base.plant import SIMULATED
 from holonom.spatial import pose
 
 __all__ = ["patch_shapes", "path_shapes", "reach_of", "shapes_of_base"]
 
-Array = NDArray[np.float64]
 BODY, DECK, RUBBER, METAL, MARK = "#33415c", "#eef1f5", "#1f2937", "#aab4c3", "#d9480f"
 WHEEL_WIDTH = 0.45
 """Width of a drawn wheel over its radius."""

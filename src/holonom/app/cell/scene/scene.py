@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.cell.build.camera import Seen, pixel_axes
 from holonom.app.cell.model.cell import Cell
@@ -19,13 +18,13 @@ from holonom.app.job import ArmJob, BaseJob, Obstacle
 from holonom.app.recording.scope import Scope
 from holonom.app.report import Box, Scene, Shape, Tube
 from holonom.app.report import Disc as DiscShape
+from holonom.arrays import Array
 from holonom.machine.group import planar_pose
 from holonom.sim import Disc
 from holonom.spatial import inverse, pose
 
 __all__ = ["build_scene"]
 
-Array = NDArray[np.float64]
 Sphere = tuple[Array, float]
 """Centre (3,) and radius, m."""
 WOOD, LEG, TRAY, BRONZE, FLOOR, WARNING = "#d8c3a5", "#8d99ae", "#f1f5f9", "#b08d57", "#dfe7df", "#e07a5f"

@@ -6,17 +6,16 @@ import math
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.cell.model.cell import Cell
 from holonom.app.cell.model.places import placement_pose
 from holonom.app.job import BaseJob
 from holonom.app.recording.scope import Scope
 from holonom.app.report import View
+from holonom.arrays import Array
 
 __all__ = ["views_of"]
 
-Array = NDArray[np.float64]
 HALF_HEIGHT = math.tan(math.radians(0.5 * 38.0))
 """Of the replay's picture at a distance of 1."""
 HALF_WIDTH = 1.5 * HALF_HEIGHT

@@ -8,7 +8,6 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.recording.format.cdr import ENCAPSULATION, CdrWriter, Layout
 from holonom.app.recording.format.heard import Messages
@@ -36,11 +35,11 @@ from holonom.app.recording.format.messages import (
 )
 from holonom.app.recording.scope import Scope
 from holonom.app.recording.tracks import Track
+from holonom.arrays import Array
 from holonom.signals import Reading, Topic
 
 __all__ = ["CODECS", "Codec", "Encode", "groups_of", "transform_groups"]
 
-Array = NDArray[np.float64]
 Encode = Callable[[int, Any], bytes | None]
 """Time (ns) and record to a message; None where the record says nothing of it."""
 

@@ -7,18 +7,17 @@ from collections import defaultdict
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.recording.format.codecs import CODECS, transform_groups
 from holonom.app.recording.format.heard import Messages
 from holonom.app.recording.format.messages import log_event
 from holonom.app.recording.tracks import FrameTrack, Track
+from holonom.arrays import Array
 from holonom.errors import InputError
 from holonom.signals import Event, Topic
 
 __all__ = ["Decoded", "Frames"]
 
-Array = NDArray[np.float64]
 Frames = dict[tuple[str, str], FrameTrack]
 """Frames by parent and name."""
 TRANSFORMS, LOG = "tf2_msgs/TFMessage", "rcl_interfaces/Log"

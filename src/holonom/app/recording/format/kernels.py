@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from holonom.arrays import Array
 from holonom.trace.code.loops import loop
 
 __all__ = ["fill_pose_rows"]
-
-Array = NDArray[np.float64]
 
 
 @loop(error_model="numpy")

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.recording.format.cdr import CdrReader, CdrWriter, Layout
 from holonom.app.recording.format.kernels import fill_pose_rows
+from holonom.arrays import Array
 from holonom.signals import Event
 
 __all__ = [
@@ -37,7 +37,6 @@ __all__ = [
     "transform_layout",
 ]
 
-Array = NDArray[np.float64]
 
 WORLD, ODOM, BASE = "world", "odom", "base_link"
 _PLANE = np.array([0, 1, 5])

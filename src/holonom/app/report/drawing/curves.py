@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.app.recording import Recording
+from holonom.arrays import Array
 
 __all__ = ["Curve", "curves_html", "joint_curves"]
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 

@@ -7,16 +7,15 @@ import gzip
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.recording import FrameTrack, Recording
 from holonom.app.report.drawing.curves import Curve
 from holonom.app.report.drawing.scene import Scene
+from holonom.arrays import Array
 from holonom.errors import UnknownName
 
 __all__ = ["Blob", "add_curves", "add_frames", "replay_rate"]
 
-Array = NDArray[np.float64]
 
 REPLAY_RATE = 50.0
 """Poses per second in the page; the browser interpolates between them."""

@@ -6,15 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 
-import numpy as np
-from numpy.typing import NDArray
-
 from holonom.app.report.drawing.polar import Polar, polar_svg
 from holonom.app.report.drawing.topview import TopView, topview_svg
 
 __all__ = ["Figures", "Table", "figures_html"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,14 +8,13 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.recording import FrameTrack
 from holonom.app.report.drawing.scene import Box, Disc, Scene, Shape, Tube, View
+from holonom.arrays import Array
 
 __all__ = ["inferred_scene"]
 
-Array = NDArray[np.float64]
 BODY, JOINT, METAL, RUBBER, PART = "#eef1f5", "#33415c", "#aab4c3", "#1f2937", "#b08d57"
 AXES = ("#c92a2a", "#2b8a3e", "#1864ab")
 LINK, WHEEL = re.compile(r"(?:.*_)?link_?(\d+)$"), re.compile(r"wheel_?\d+$")

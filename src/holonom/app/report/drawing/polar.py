@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from html import escape
 
 import numpy as np
-from numpy.typing import NDArray
+
+from holonom.arrays import Array
 
 __all__ = ["Polar", "PolarLine", "polar_svg"]
 
-Array = NDArray[np.float64]
 
 _SIDE = 320.0
 _RADIUS = 118.0

@@ -7,12 +7,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
+from holonom.arrays import Array
 
 __all__ = ["Box", "Disc", "Label", "Scene", "Shape", "Tube", "View"]
 
-Array = NDArray[np.float64]
 Point = tuple[float, float, float]
 
 

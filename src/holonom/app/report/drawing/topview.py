@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from html import escape
 
 import numpy as np
-from numpy.typing import NDArray
+
+from holonom.arrays import Array
 
 __all__ = ["MapLine", "MapMark", "MapPatch", "TopView", "topview_svg"]
 
-Array = NDArray[np.float64]
 
 _WIDTH = 1080.0
 _MARGIN = 36.0

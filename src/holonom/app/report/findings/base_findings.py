@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from holonom.app.recording import BaseTrack, Recording
 from holonom.app.report.findings.base_words import Said, Spell, dead_since, faults_of, gripping_again, said_of
 from holonom.app.report.findings.facts import FaultFacts, RobotFacts
+from holonom.arrays import Array
 
 __all__ = [
     "BaseFindings",
@@ -24,7 +25,6 @@ __all__ = [
     "path_error",
 ]
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 GAP = 0.05
 """Pauses (s) within one episode; and how long after an episode a word still counts for it."""

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from html import escape
 
 import numpy as np
-from numpy.typing import NDArray
+
+from holonom.arrays import Array
 
 __all__ = ["ComparedRun", "Comparison", "Phase", "comparison_html", "phase_errors"]
 
-Array = NDArray[np.float64]
 
 _COLOURS = ("#d9480f", "#0b7285", "#5f3dc4", "#2b8a3e")
 _SIDE = 300.0

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.recording import Recording
 from holonom.app.report.sections import LimitUse
 from holonom.app.report.source import RobotSource
+from holonom.arrays import Array
 
 __all__ = ["limit_uses", "peaks_of"]
 
-Array = NDArray[np.float64]
 QUANTITIES = {
     "speed": ("rad/s", "m/s"),
     "torque": ("N m", "N"),

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.report.drawing.figures import Figures
 from holonom.app.report.drawing.polar import Polar, PolarLine
@@ -13,13 +12,13 @@ from holonom.app.report.findings.base_findings import findings_of
 from holonom.app.report.findings.facts import BaseFacts, RobotFacts
 from holonom.app.report.section_table import Section
 from holonom.app.report.source import RobotSource, Source
+from holonom.arrays import Array
 from holonom.errors import InputError
 from holonom.mobile import WheelBase, acceleration_envelope, drive_limits, effective_motors, speed_envelope
 from holonom.registry import OWN, Method
 
 __all__ = ["SECTION"]
 
-Array = NDArray[np.float64]
 INTACT, DEAD = "#0b7285", "#d9480f"
 NOTE = "By direction of travel in the robot frame, without turning: what motors and floor can give."
 
