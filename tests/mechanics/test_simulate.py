@@ -370,7 +370,7 @@ def test_bad_input(puma: Arm) -> None:
     spoilt = np.where(np.arange(6) == 4, np.nan, Q0)
     with pytest.raises(ShapeError, match=r"q0\[4\] is nan; finite"):
         simulate(puma, None, spoilt, STILL, 1.0)
-    with pytest.raises(ShapeError, match=r"q0\[4\] is nan in row 1; finite"):
+    with pytest.raises(ShapeError, match=r"q0\[4\] is nan in row \(1,\); finite"):
         simulate_ensemble(puma, LAW, np.stack([Q0, spoilt]), STILL, 1.0)
     with pytest.raises(ShapeError, match=r"controller's torque at t = 0 s has shape \(5,\)"):
         simulate(puma, lambda t, q, qd: q[:5], Q0, STILL, 1.0)

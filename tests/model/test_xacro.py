@@ -113,7 +113,7 @@ def test_neither_the_environment_nor_the_interpreter_is_in_reach(write, monkeypa
 
 def test_the_fence_itself_refuses_what_an_expression_would_get_through(tmp_path):
     """Without the look at names: files, processes, the network and imports are out of reach all the same."""
-    from holonom.model import xacro_child
+    from holonom.model.urdf import xacro_child
 
     probe = tmp_path / "probe.py"
     probe.write_text(
@@ -169,7 +169,7 @@ def test_document_types_are_refused_in_included_files(write, tmp_path):
 
 
 def test_a_file_without_end_is_stopped(write, monkeypatch):
-    monkeypatch.setattr("holonom.model.xacro_file.TIME_LIMIT", 0.5)
+    monkeypatch.setattr("holonom.model.urdf.xacro_file.TIME_LIMIT", 0.5)
     with pytest.raises(ModelError, match="not expanded within"):
         load_arm(write("<link name='${[0 for i in range(10**12) if i != i]}'/>"))
 

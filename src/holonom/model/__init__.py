@@ -25,7 +25,7 @@ from holonom.model.dh import DHRow, arm_model_from_dh, joint_from_dh
 from holonom.model.joint_kinds import JOINT_KINDS
 from holonom.model.load import load_model
 from holonom.model.presets import PRESETS, preset, preset_names
-from holonom.model.urdf import read_urdf
+from holonom.model.urdf.reader import read_urdf
 
 __all__ = [
     "JOINT_KINDS",

@@ -8,7 +8,7 @@ from pathlib import Path
 from holonom.errors import InputError, UnknownName
 from holonom.model.arm import ArmModel
 from holonom.model.presets import preset, preset_names
-from holonom.model.urdf import CheckInertia, arm_model_from_urdf, read_urdf
+from holonom.model.urdf.reader import CheckInertia, arm_model_from_urdf, read_urdf
 
 __all__ = ["load_model"]
 
@@ -37,7 +37,7 @@ def load_model(
     """
     suffix = Path(source).suffix.lower()
     if suffix == ".xacro":
-        from holonom.model.xacro_file import expand_xacro
+        from holonom.model.urdf.xacro_file import expand_xacro
 
         robot = expand_xacro(Path(source), packages=packages or {}, arguments=arguments or {})
         return arm_model_from_urdf(robot, root=root, tip=tip, check_inertia=check_inertia)

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 from holonom.errors import UnknownName
 from holonom.model.arm import Motor
-from holonom.model.urdf_parts import UrdfJoint
-from holonom.model.urdf_xml import Element, fault
+from holonom.model.urdf.elements import Element, fault
+from holonom.model.urdf.parts import UrdfJoint
 
 __all__ = ["read_motors"]
 

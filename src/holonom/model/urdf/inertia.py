@@ -10,8 +10,8 @@ import numpy as np
 
 from holonom.arrays import Array
 from holonom.model.arm import Body
-from holonom.model.urdf_parts import UrdfLink
-from holonom.model.urdf_xml import fault
+from holonom.model.urdf.elements import fault
+from holonom.model.urdf.parts import UrdfLink
 
 __all__ = ["check_inertias", "fixed_together"]
 

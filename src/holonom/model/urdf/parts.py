@@ -10,7 +10,7 @@ import numpy as np
 
 from holonom.arrays import Array
 from holonom.model.arm import Body, Friction, JointLimits
-from holonom.model.urdf_xml import Element, fault
+from holonom.model.urdf.elements import Element, fault
 
 __all__ = ["UrdfJoint", "UrdfLink", "UrdfMimic", "read_joint", "read_link"]
 

@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from typing import TypeVar
 
 from holonom.errors import ModelError, UnknownName
-from holonom.model.urdf_parts import UrdfJoint, UrdfLink
-from holonom.model.urdf_xml import fault
+from holonom.model.urdf.elements import fault
+from holonom.model.urdf.parts import UrdfJoint, UrdfLink
 
 __all__ = ["by_name", "in_order", "root_of", "tip_of"]
 

@@ -12,11 +12,11 @@ import numpy as np
 from holonom.arrays import Array
 from holonom.errors import ModelError, UnknownName
 from holonom.model.arm import ArmModel, Body, Frame, Joint, Mimic, Motor, constant_transform
-from holonom.model.urdf_inertia import check_inertias, fixed_together
-from holonom.model.urdf_parts import UrdfJoint, UrdfLink, read_joint, read_link
-from holonom.model.urdf_transmission import read_motors
-from holonom.model.urdf_tree import by_name, in_order, root_of, tip_of
-from holonom.model.urdf_xml import MAX_BYTES, Element, fault, parse_xml
+from holonom.model.urdf.elements import MAX_BYTES, Element, fault, parse_xml
+from holonom.model.urdf.inertia import check_inertias, fixed_together
+from holonom.model.urdf.parts import UrdfJoint, UrdfLink, read_joint, read_link
+from holonom.model.urdf.transmission import read_motors
+from holonom.model.urdf.tree import by_name, in_order, root_of, tip_of
 
 __all__ = ["arm_model_from_urdf", "read_urdf"]
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from holonom.errors import InputError, ModelError
-from holonom.model.urdf_xml import Element, parse_xml
+from holonom.model.urdf.elements import Element, parse_xml
 
 __all__ = ["expand_xacro"]
 

@@ -1,0 +1,3 @@
+"""Robot files: URDF and xacro, read strictly."""
+
+__all__: list[str] = []
