@@ -18,16 +18,6 @@ from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.equations.vectors import Vector, add, cross, matvec
 from holonom.mechanics.kernels.results import Ellipsoid, Singularity
 from holonom.mechanics.kernels.singularities import NAMED, measures_of, rows_of
-from holonom.mechanics.loops.decomposition import (
-    LOST,
-    Prepared,
-    ellipsoid_at,
-    lost_directions_at,
-    nullspace_at,
-    plan_of,
-    singular_values_at,
-    singularities_at,
-)
 from holonom.numeric import svd
 from holonom.trace import Number, compile
 
@@ -48,6 +38,8 @@ __all__ = [
 ]
 
 Part = Literal["all", "translation", "rotation"]
+LOST = 1e-6
+"""Singular value below which a direction counts as lost (m or 1 per rad)."""
 
 
 def _part(arm: Arm, q: ArrayLike, part: Part) -> Array:
@@ -57,14 +49,7 @@ def _part(arm: Arm, q: ArrayLike, part: Part) -> Array:
 
 def singular_values(arm: Arm, q: ArrayLike, part: Part = "all") -> Array:
     """Singular values of the Jacobian (..., min(m, n)), largest first; metres and radians mixed for "all"."""
-    one, plan, like = arm.prepared[_values_prepared, part]
-    found: Array | None = one(plan, q, like)
-    return svd.singular_values(_part(arm, q, part)) if found is None else found
-
-
-def _values_prepared(arm: Arm, part: Part) -> Prepared:
-    plan = plan_of(arm, part)
-    return singular_values_at(), plan, np.empty(min(arm.n, plan[3]))
+    return svd.singular_values(_part(arm, q, part))
 
 
 def manipulability(arm: Arm, q: ArrayLike, part: Part = "all", *, threads: int = 1) -> Array:
@@ -75,30 +60,14 @@ def manipulability(arm: Arm, q: ArrayLike, part: Part = "all", *, threads: int =
 
 def lost_directions(arm: Arm, q: ArrayLike, *, tolerance: float = LOST) -> Array:
     """Unit twists [v; w] in the world (k, 6) along which the tool cannot move at q (n,)."""
-    one, plan, likes = arm.prepared[_directions_prepared]
-    found: Array | None = one(plan, q, tolerance, likes)
-    if found is None:
-        U, s, _ = svd.svd(_one(arm, q))
-        return U[:, np.count_nonzero(s > tolerance) :].T.copy()
-    return found
-
-
-def _directions_prepared(arm: Arm) -> Prepared:
-    return lost_directions_at(), plan_of(arm), tuple(np.empty((k, 6)) for k in range(7))
+    U, s, _ = svd.svd(_one(arm, q))
+    return U[:, np.count_nonzero(s > tolerance) :].T.copy()
 
 
 def nullspace(arm: Arm, q: ArrayLike, *, tolerance: float = LOST) -> Array:
     """Orthonormal joint rates (n, k) that leave the tool at rest at q (n,)."""
-    one, plan, likes = arm.prepared[_nullspace_prepared]
-    found: Array | None = one(plan, q, tolerance, likes)
-    if found is None:
-        _, s, Vt = svd.svd(_one(arm, q))
-        return Vt[np.count_nonzero(s > tolerance) :].T.copy()
-    return found
-
-
-def _nullspace_prepared(arm: Arm) -> Prepared:
-    return nullspace_at(), plan_of(arm), tuple(np.empty((arm.n, k)) for k in range(arm.n + 1))
+    _, s, Vt = svd.svd(_one(arm, q))
+    return Vt[np.count_nonzero(s > tolerance) :].T.copy()
 
 
 def _one(arm: Arm, q: ArrayLike) -> Array:
@@ -121,16 +90,7 @@ def force_ellipsoid(arm: Arm, q: ArrayLike, part: Literal["translation", "rotati
     return _ellipsoid(arm, q, part, True)
 
 
-def _ellipsoid_prepared(arm: Arm, part: Part) -> Prepared:
-    plan = plan_of(arm, part)
-    return ellipsoid_at(), plan, Ellipsoid(np.empty((plan[3], plan[3])), np.empty(plan[3]))
-
-
 def _ellipsoid(arm: Arm, q: ArrayLike, part: Part, of_forces: bool) -> Ellipsoid:
-    one, plan, like = arm.prepared[_ellipsoid_prepared, part]
-    found: Ellipsoid | None = one(plan, q, of_forces, like)
-    if found is not None:
-        return found
     axes, s, _ = svd.svd(_part(arm, q, part))
     radii = np.zeros(axes.shape[:-1])
     radii[..., : s.shape[-1]] = s
@@ -150,24 +110,18 @@ def singularities(arm: Arm, q: ArrayLike, *, tolerance: float = 0.02) -> tuple[S
     plane of axes 1 and 2, m), elbow (sine of the angle between upper arm and forearm), wrist (sine of the angle between
     axes 4 and 6). Any other arm has "smallest singular value".
     """
-    one, plan, (measures, likes) = arm.prepared[_singularities_prepared]
-    nearest: tuple[Singularity, ...] | None = one(plan, q, tolerance, measures, likes)
-    if nearest is not None:
-        return nearest
     U, s, _ = svd.svd(_one(arm, q))
-    values = arm.calls["singularity_measures"](q).tolist() if measures else [float(s[-1])]
-    lost = U[:, len(s) - 1].copy()
-    cases = [(like.name, value, abs(value) < tolerance) for like, value in zip(likes[1], values, strict=True)]
+    named = arm.prepared[_is_named]
+    values = arm.calls["singularity_measures"](q).tolist() if named else [float(s[-1])]
+    names, lost = NAMED if named else ("smallest singular value",), U[:, len(s) - 1].copy()
+    cases = [(name, value, abs(value) < tolerance) for name, value in zip(names, values, strict=True)]
     found = [Singularity(name, value, near, lost if near else None) for name, value, near in cases]
     return tuple(sorted(found, key=lambda s: abs(s.value)))
 
 
-def _singularities_prepared(arm: Arm) -> Prepared:
-    named = measures_of(arm.model) is not None
-    address = arm.kernel("singularity_measures").address if named else 0
-    names, direction = NAMED if named else ("smallest singular value",), np.empty(6)
-    each = tuple(Singularity(name, np.nan, False, None) for name in names)
-    return singularities_at(), plan_of(arm), (address, (each, each, direction))
+def _is_named(arm: Arm) -> bool:
+    """Whether its singularities have names."""
+    return measures_of(arm.first.model) is not None
 
 
 def joint_torques(arm: Arm, q: ArrayLike, wrench: ArrayLike, frame: str = "world") -> Array:

@@ -13,13 +13,13 @@ from numpy.typing import ArrayLike
 from holonom.arrays import Array
 from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.equations.dynamics.inertia import fixed_to_body
+from holonom.mechanics.kernels.placement import bodies_of
 from holonom.mechanics.kernels.results import (
     CouplingTable,
     Energy,
     ForwardDynamicsDerivatives,
     InverseDynamicsDerivatives,
 )
-from holonom.mechanics.kernels.table import bodies_of
 from holonom.model import Body
 from holonom.model.arm import Rotors
 

@@ -295,7 +295,7 @@ def _chain(arm: SolvedArm, limits: bool) -> Chain:
             raise ModelError(
                 f"joint {name!r} has limits {lower} .. {upper}; the lower one must not exceed the upper one"
             )
-    turning = [arm.model.joints[i].kind == "revolute" for i in arm.model.independent]
+    turning = [arm.model.joints[i].turns for i in arm.model.independent]
     reach = np.where(turning, math.pi, _reach(arm.model))
     open_below = np.where(np.isfinite(bounds.upper), bounds.upper - 2.0 * reach, -reach)
     low = np.where(np.isfinite(bounds.lower), bounds.lower, open_below)
@@ -314,7 +314,7 @@ def _chain(arm: SolvedArm, limits: bool) -> Chain:
 def _whole_turns(model: ArmModel) -> list[bool]:
     """Whether a whole turn of a joint changes nothing: it is revolute, and no other joint follows it."""
     led = {joint.mimic.joint for joint in model.joints if joint.mimic is not None}
-    return [model.joints[i].kind == "revolute" and i not in led for i in model.independent]
+    return [model.joints[i].turns and i not in led for i in model.independent]
 
 
 def _strides(n: int) -> Array:
@@ -333,9 +333,7 @@ def _reach(model: ArmModel) -> float:
     poses = [T for joint in path for T in (joint.before, joint.after)] + [model.tool]
     total = float(sum(np.linalg.norm(np.array(T)[:3, 3]) for T in poses))
     for joint in path:
-        ends = [
-            abs(x) for x in (joint.limits.lower, joint.limits.upper) if joint.kind == "prismatic" and math.isfinite(x)
-        ]
+        ends = [abs(x) for x in (joint.limits.lower, joint.limits.upper) if not joint.turns and math.isfinite(x)]
         total += max(ends, default=0.0)
     return total or 1.0
 
@@ -354,7 +352,8 @@ def _search(
 
     w, exact = _weights(weights, frame), weights is not None
     rows = np.concatenate([w[:3] / _reach(arm.model), w[3:]])
-    task = arm.kernel("pose_task", frame=frame or "world", exact=exact).address
+    task, more = arm.pointer("pose_task", frame=frame or "world", exact=exact)
+    rows = np.concatenate([rows, more])
     climbed = 0 if criterion is None else _criterion_address(arm, criterion)
     return Search(task, multipliers_kernel().address, climbed, rows, tolerance, attempts, steps, seed)
 
@@ -375,4 +374,5 @@ def _weights(weights: ArrayLike | None, frame: str | None) -> Array:
 def _criterion_address(arm: SolvedArm, criterion: str | Criterion) -> int:
     if isinstance(criterion, str) and criterion not in CRITERIA:
         raise UnknownName("criterion", criterion, CRITERIA)
-    return arm.kernel("criterion", criterion=criterion).address
+    at_home = arm.first if isinstance(criterion, str) else arm  # those of the table do not ask where an arm stands
+    return at_home.kernel("criterion", criterion=criterion).address

@@ -100,7 +100,7 @@ def _solutions(arm: Arm, T: ArrayLike, jump: float) -> IkResult:
 
 def _turned(arm: Arm, q: Array, reference: Array) -> Array:
     """The angles a whole number of turns away that are nearest to a reference."""
-    turning = np.array([arm.model.joints[i].kind == "revolute" for i in arm.model.independent])
+    turning = np.array([arm.model.joints[i].turns for i in arm.model.independent])
     return np.asarray(q + np.where(turning, TURN * np.round((reference - q) / TURN), 0.0))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,6 @@ from holonom.arrays import Array, real_array
 from holonom.errors import InputError, ShapeError
 from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.arm.nearest import joint_vectors
-from holonom.mechanics.loops.decomposition import Prepared, plan_of
 from holonom.mechanics.loops.velocity import AUTO, rates_of_one, rates_of_rows
 from holonom.spatial import check_pose
 
@@ -74,8 +74,11 @@ def _damping(damping: str | float) -> float:
     return float(damping)
 
 
-def _prepared(arm: Arm, frame: str) -> Prepared:
-    return rates_of_one(), plan_of(arm, frame=frame), np.empty(arm.n)
+def _prepared(arm: Arm, frame: str) -> tuple[Callable[..., Array | None], NDArray[np.int64], Array]:
+    """One sample in one compiled call; an arm that stands elsewhere than its first one goes the general way."""
+    if arm.placement is not None:
+        return lambda *_: None, np.empty(0, np.int64), np.empty(0)
+    return rates_of_one(), np.array([arm.kernel("jacobian", frame=frame).address, arm.n]), np.empty(arm.n)
 
 
 def _rates(J: Array, twist: ArrayLike, damping: float) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from holonom.arrays import Array
 from holonom.errors import ModelError, UnknownName
 from holonom.model.gravity import GRAVITY
-from holonom.model.joint_kinds import JOINT_KINDS
+from holonom.model.joint_kinds import kind_of
 
 __all__ = [
     "ArmModel",
@@ -138,8 +138,8 @@ class Mimic:
 class Joint:
     """`T_pi(q) = before @ motion(q) @ after`; motion turns about or slides along z.
 
-    `kind` is a name of `JOINT_KINDS`. `parent` is the number of the joint whose frame carries this one, -1 for the
-    base; None means the one before.
+    `kind` is one of `JOINT_KINDS` that has one freedom. `parent` is the number of the joint whose frame carries this
+    one, -1 for the base; None means the one before.
     """
 
     name: str
@@ -153,8 +153,27 @@ class Joint:
     mimic: Mimic | None = None
 
     def __post_init__(self) -> None:
-        if self.kind not in JOINT_KINDS:
-            raise UnknownName(JOINT_KINDS.one, self.kind, JOINT_KINDS)
+        if not kind_of(self.kind).single:
+            raise ModelError(
+                f"joint {self.name!r} is {self.kind}; the joints of an arm have one freedom each: "
+                "`joints_of` makes those of another kind"
+            )
+
+    @property
+    def turns(self) -> bool:
+        """Whether its position is an angle."""
+        return kind_of(self.kind).turns
+
+    @property
+    def unit(self) -> str:
+        """Of its position: rad or m."""
+        return kind_of(self.kind).unit
+
+    def scaled(self, speed: float, acceleration: float) -> Joint:
+        """The joint with its speed and acceleration limits scaled by factors."""
+        bounds = self.limits
+        limits = replace(bounds, speed=bounds.speed * speed, acceleration=bounds.acceleration * acceleration)
+        return replace(self, limits=limits)
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,8 +189,11 @@ class Frame:
 class ArmModel:
     """An arm, or a tree of joints with one tool. `base` is T_w0, `gravity` in m/s2 in the world.
 
-    `bodies[i]` is fixed to joint i's frame. `tip` is the number of the joint that carries the tool (the last one unless
-    given), `tool` the tool's pose in its frame.
+    `bodies[i]` is fixed to joint i's frame, `base_body` to the base's: its mass counts where the base moves. Nothing
+    holds a `floating` base (`mechanics.dynamics.floating`).
+
+    `tip` is the number of the joint that carries the tool (the last one unless given), `tool` the tool's pose in its
+    frame.
 
     `rotors` says what of the spinning rotors counts: "reflected" their inertia on the diagonal of B, "full" their
     coupling with what carries them and the gyroscopic moments too (every motor must state its axis then). Where
@@ -190,6 +212,8 @@ class ArmModel:
     card: str = ""
     rotors: Rotors = "reflected"
     links_include_rotors: bool = True
+    base_body: Body | None = None
+    floating: bool = False
 
     def __post_init__(self) -> None:
         if self.rotors not in get_args(Rotors):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from holonom.errors import ModelError, UnknownName
 from holonom.model.arm import ArmModel, Body, Joint, JointLimits, Transform, constant_transform
-from holonom.model.joint_kinds import JOINT_KINDS
+from holonom.model.joint_kinds import kind_of
 
 __all__ = ["DHRow", "arm_model_from_dh", "joint_from_dh"]
 
@@ -33,8 +33,8 @@ class DHRow:
         for name in ("a", "alpha", "d", "theta"):
             if not math.isfinite(getattr(self, name)):
                 raise ModelError(f"DH parameter {name} is {getattr(self, name)}; a finite number is needed")
-        if self.kind not in JOINT_KINDS:
-            raise UnknownName(JOINT_KINDS.one, str(self.kind), JOINT_KINDS)
+        if not kind_of(str(self.kind)).single:
+            raise ModelError(f"a row of a DH table is a joint of one freedom, revolute or prismatic, not {self.kind}")
 
 
 def _turn(axis: Literal["x", "z"], angle: float) -> NDArray[np.float64]:

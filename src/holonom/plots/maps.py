@@ -96,9 +96,7 @@ def draw_manipulability(
     filled = axes.contourf(x, y, manipulability(arm, grid), levels=24, cmap="viridis")
     axes.plot(row[joints[0]], row[joints[1]], "o", color="white", markeredgecolor="black", label="q")
     names = arm.limits.names
-    units = [
-        "rad" if joint.kind == "revolute" else "m" for joint in (arm.model.joints[i] for i in arm.model.independent)
-    ]
+    units = [joint.unit for joint in (arm.model.joints[i] for i in arm.model.independent)]
     axes.set(xlabel=f"{names[joints[0]]} ({units[joints[0]]})", ylabel=f"{names[joints[1]]} ({units[joints[1]]})",
              title=f"{arm.model.name}: manipulability")  # fmt: skip
     axes.legend(loc="upper right", framealpha=0.9)
@@ -110,7 +108,7 @@ def draw_manipulability(
 def _ranges(arm: Arm) -> tuple[Array, Array]:
     """Position limits (n,) each; half a turn either way for revolute joints without any."""
     limits = arm.limits
-    turns = np.array([arm.model.joints[i].kind == "revolute" for i in arm.model.independent])
+    turns = np.array([arm.model.joints[i].turns for i in arm.model.independent])
     for name, low, high, turn in zip(limits.names, limits.lower, limits.upper, turns, strict=True):
         if not turn and not np.isfinite(low + high):
             raise InputError(f"joint {name!r} slides without limits; give it some to draw its range")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import keyword
 import math
+import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -141,6 +142,13 @@ class Kernel:
     def operations(self) -> int:
         """Live operations after simplification; those of a column count for each."""
         return len(self._body) + (self.columns.count * len(self.columns.body) if self.columns else 0)
+
+    @functools.cached_property
+    def reads(self) -> tuple[str, ...]:
+        """Names of the inputs that any output depends on."""
+        text = " ".join([*self._body, *(value for values in self._results.values() for value in values)])
+        words = {word.rpartition("_")[0] for word in re.findall(r"\w+_\d+", text)}
+        return tuple(f.name for f in self.inputs if f.name in words)
 
     @property
     def source(self) -> str:

@@ -9,25 +9,24 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from holonom.arrays import Array, real_array
-from holonom.errors import InputError, NotAPose, ShapeError
-from holonom.mechanics.equations.dynamics.inertia import fixed_to_body
+from holonom.arrays import Array
+from holonom.errors import InputError, ShapeError
+from holonom.mechanics.arm.placement import NO_LOAD, Placement
+from holonom.mechanics.arm.targets import check_lost, points
+from holonom.mechanics.equations.dynamics.inertia import Inertial, fixed_to_body, from_body, merged
 from holonom.mechanics.kernels import inverse_geometry
 from holonom.mechanics.kernels.closed_form import FAMILIES, ClosedForm, closed_form
 from holonom.mechanics.kernels.ik_result import IkCase, IkNearest, IkResult, IkStatus
 from holonom.mechanics.kernels.inverse_geometry import UNREACHABLE
 from holonom.mechanics.kernels.protocol import Limits
-from holonom.mechanics.kernels.table import OPTIONS, Calls, make_kernel
-from holonom.model import ArmModel, Body, constant_transform
+from holonom.mechanics.kernels.table import OPTIONS, Calls, make_kernel, named
+from holonom.model import ArmModel, Body, Joint, constant_transform
 from holonom.spatial import check_pose
 from holonom.trace import Kernel
 
 __all__ = ["Arm", "IkCase", "IkNearest", "IkResult", "IkStatus", "Limits"]
-
-CHUNK = 4096
-"""Rows that are looked at together, so that a batch takes no more memory than its result."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,8 +65,10 @@ class Arm:
     def __init__(self, model: ArmModel) -> None:
         self.model = model
         self.n = len(model.independent)
-        self.calls = Calls(self.kernel)
+        self.calls = Calls(self._call)
         self.prepared = Prepared(self)
+        self.first: Arm = self
+        self.placement: Placement | None = None
 
     def __reduce__(self) -> tuple[type[Arm], tuple[ArmModel]]:
         return Arm, (self.model,)  # a copy, or another process, compiles for itself
@@ -85,31 +86,16 @@ class Arm:
 
     def with_tool(self, tool: ArrayLike) -> Arm:
         """Return the arm with another tool pose T_nt (4, 4)."""
-        return Arm(dataclasses.replace(self.model, tool=constant_transform(check_pose(tool, "tool"))))
+        return self._placed(tool=constant_transform(check_pose(tool, "tool")))
 
     def with_base(self, base: ArrayLike) -> Arm:
         """Return the arm with another base pose T_w0 (4, 4)."""
-        return Arm(dataclasses.replace(self.model, base=constant_transform(check_pose(base, "base"))))
+        return self._placed(base=constant_transform(check_pose(base, "base")))
 
     def with_gravity(self, gravity: Sequence[float]) -> Arm:
         """Return the arm under another gravity (3,) in the world, m/s2."""
         gx, gy, gz = (float(g) for g in gravity)
-        return Arm(dataclasses.replace(self.model, gravity=(gx, gy, gz)))
-
-    def with_limits(self, *, speed: float = 1.0, acceleration: float = 1.0) -> Arm:
-        """Return the arm with its joints' speed and acceleration limits scaled by factors."""
-        joints = tuple(
-            dataclasses.replace(
-                joint,
-                limits=dataclasses.replace(
-                    joint.limits,
-                    speed=joint.limits.speed * speed,
-                    acceleration=joint.limits.acceleration * acceleration,
-                ),
-            )
-            for joint in self.model.joints
-        )
-        return Arm(dataclasses.replace(self.model, joints=joints))
+        return self._placed(gravity=(gx, gy, gz))
 
     def with_load(self, body: Body) -> Arm:
         """Return the arm with a body, such as a gripper, fixed to the link that carries the tool (in its frame)."""
@@ -117,19 +103,53 @@ class Arm:
             return self
         bodies, tip = list(self.model.bodies), self.model.tool_joint
         bodies[tip] = fixed_to_body(bodies[tip], body)
-        return Arm(dataclasses.replace(self.model, bodies=tuple(bodies)))
+        return self._placed(from_body(body), bodies=tuple(bodies))
+
+    def _placed(self, load: Inertial | None = None, **changes: Any) -> Arm:
+        """The arm with another base, tool, gravity or load: `first`, whose kernels it uses, takes them as inputs."""
+        arm, first = Arm(dataclasses.replace(self.model, **changes)), self.first
+        carried = NO_LOAD if self.placement is None else self.placement.payload
+        payload = carried if load is None else merged(carried, load)
+        arm.first, arm.placement = first, Placement(first.model, first.calls, first.kernel, arm.model, payload)
+        arm.calls = arm.placement.calls
+        return arm
+
+    def with_limits(self, *, speed: float = 1.0, acceleration: float = 1.0) -> Arm:
+        """Return the arm with its joints' speed and acceleration limits scaled by factors."""
+        return self.with_joints(tuple(joint.scaled(speed, acceleration) for joint in self.model.joints))
+
+    def with_joints(self, joints: tuple[Joint, ...]) -> Arm:
+        """Return the arm with other limits, motors or friction of its joints."""
+        arm = Arm(dataclasses.replace(self.first.model, joints=joints))
+        if self.placement is None:
+            return arm
+        here = self.model
+        payload = self.placement.payload
+        return arm._placed(payload, base=here.base, tool=here.tool, gravity=here.gravity, bodies=here.bodies)
 
     def kernel(self, name: str, **options: Any) -> Kernel:
         """Return a compiled equation: "fk", "frames", "jacobian", "inverse_dynamics", "forward_dynamics", ....
 
-        Options are those of the verb: `frame=`, `friction=`, `wrench_frame=`. The
-        fastest call is `kernel.single(q, ..., out)`: see `holonom.trace.Kernel`.
+        Options are those of the verb: `frame=`, `friction=`, `wrench_frame=`; `given=("base", "tool", "gravity",
+        "payload")`, or some of them, makes these inputs after its own, a value for each row if need be. The fastest
+        call is `kernel.single(q, ..., out)`: see `holonom.trace.Kernel`.
         """
         chosen = {**OPTIONS.get(name, {}), **options}
         if chosen.get("friction", 0) is None:
             chosen["friction"] = any(joint.friction is not None for joint in self.model.joints)
         found: Kernel = self.prepared[_kernel, name, *sorted(chosen.items())]
         return found
+
+    def pointer(self, name: str, **options: Any) -> tuple[int, Array]:
+        """Address of a compiled equation in C form, and the numbers after its own inputs: where the arm stands."""
+        if self.placement is None:
+            return self.kernel(name, **options).address, np.empty(0)
+        kernel, more = self.placement.kernel(name, **options)
+        return kernel.address, np.concatenate([np.empty(0), *(a.ravel() for a in more)])
+
+    def _call(self, key: Any) -> Callable[..., Any]:
+        name, options = named(key)
+        return self.kernel(name, **options).call
 
     def fk(self, q: ArrayLike, frame: str = "tool", *, out: Array | None = None, threads: int = 1) -> Array:
         """Forward kinematics.
@@ -169,7 +189,13 @@ class Arm:
     @functools.cached_property
     def closed_form(self) -> ClosedForm | None:
         """The closed-form inverse that fits how the arm's axes lie, if there is one."""
-        return closed_form(self.model)
+        return closed_form(self.model) if self.placement is None or not self._alike else self.first.closed_form
+
+    @functools.cached_property
+    def _alike(self) -> bool:
+        """Whether what the first arm has to reach follows from what this one has."""
+        form = self.first.closed_form
+        return form is None or form.task == "pose" or (self.placement is not None and self.placement.same_tool)
 
     def ik(self, T: ArrayLike, *, threads: int = 1) -> IkResult:
         """Closed-form inverse geometry: every branch with its status, proved by forward kinematics.
@@ -187,7 +213,7 @@ class Arm:
             No closed form for this arm.
         """
         inverse = self._inverse
-        target = T if inverse.poses else _points(T)
+        target = T if inverse.poses else points(T)
         try:
             found: IkResult = inverse.call(target, threads=threads)
         except ShapeError:
@@ -196,7 +222,7 @@ class Arm:
             raise
         q, status, names = found
         if inverse.poses and (status.ndim > 1 or status.tobytes() == inverse.nowhere):
-            _check_lost(T, status)
+            check_lost(T, status)
         if inverse.exact:
             return found
         bounds, goal = (self.limits.lower, self.limits.upper), np.asarray(target, dtype=float)
@@ -213,7 +239,19 @@ class Arm:
                 "ik_nearest(T, q0) finds one solution numerically"
             )
         nowhere = bytes([UNREACHABLE] * len(form.names))
-        return _Inverse(self.calls["inverse_geometry"], form.task == "pose", form.exact, nowhere)
+        call = self._inverse_call
+        return _Inverse(call, form.task == "pose", form.exact, nowhere)
+
+    @property
+    def _inverse_call(self) -> Callable[..., Any]:
+        """The call of the compiled inverse; placed elsewhere, the first arm's, for where its tool would be."""
+        place = self.placement
+        if place is None:
+            return self.calls["inverse_geometry"]
+        if not self._alike:
+            return Arm(self.model).calls["inverse_geometry"]
+        first = self.first.calls["inverse_geometry"]
+        return lambda target, threads: first(place.from_first(target), threads=threads)
 
     def ik_nearest(
         self, T: ArrayLike, q0: ArrayLike, *, weights: ArrayLike | None = None, threads: int = 1
@@ -248,7 +286,13 @@ class Arm:
             return self._searched
         from holonom.mechanics.arm.nearest import Nearest  # compiled code, on first use
 
-        return Nearest(self).take
+        place = self.placement
+        if place is None:
+            return Nearest(self).take
+        if not self._alike:
+            return Arm(self.model)._nearest
+        take = self.first._nearest
+        return lambda T, q0, weights, threads: take(place.from_first(T), q0, weights, threads)
 
     def _searched(self, T: ArrayLike, q0: ArrayLike, weights: ArrayLike | None, threads: int) -> IkNearest:
         """What the numerical solver finds from q0."""
@@ -348,22 +392,3 @@ class Arm:
 
 def _kernel(arm: Arm, name: str, *options: tuple[str, Any]) -> Kernel:
     return make_kernel(name, arm.model, dict(options))
-
-
-def _points(T: ArrayLike) -> Array:
-    """Points (..., 3), or the places of poses."""
-    target = real_array("T", T)
-    return target if target.shape[-1:] == (3,) else check_pose(target, "T")[..., :3, 3]
-
-
-def _check_lost(T: ArrayLike, status: NDArray[np.int8]) -> None:
-    """Refuse what is no pose: the kernel reaches none of it, so only targets without a reached branch are looked at."""
-    k = status.shape[-1]
-    poses, rows = np.asarray(T, dtype=float).reshape(-1, 4, 4), status.reshape(-1, k)
-    for first in range(0, len(rows), CHUNK):
-        lost = (rows[first : first + CHUNK] == UNREACHABLE).all(-1)
-        if lost.any():
-            try:
-                check_pose(poses[first : first + CHUNK][lost])
-            except NotAPose:
-                check_pose(T, "T")  # names the first that is none

@@ -47,7 +47,7 @@ class Nearest:
     def __init__(self, arm: SolvedArm) -> None:
         form, limits, moving = arm.closed_form, arm.limits, arm.model.independent
         assert form is not None
-        turns = [2.0 * np.pi * (arm.model.joints[i].kind == "revolute") for i in moving]
+        turns = [2.0 * np.pi * arm.model.joints[i].turns for i in moving]
         self._arm, self._names, self._rows = arm, form.names, 3 if form.task == "position" else 6
         self._joints = np.array([limits.lower, limits.upper, turns, np.ones(arm.n)])
         self._ndim = 1 if form.task == "position" else 2

@@ -98,7 +98,7 @@ def sized_motor(speed: float, torque: float, inertia: float, supply: float = SUP
 
 
 def _check_limits(joint: Joint) -> None:
-    what = ("force", "m/s and N") if joint.kind == "prismatic" else ("torque", "rad/s and N m")
+    what = ("torque", "rad/s and N m") if joint.turns else ("force", "m/s and N")
     for name, value in (("speed", joint.limits.speed), (what[0], joint.limits.torque)):
         if not (value > 0.0 and math.isfinite(value)):
             raise ModelError(

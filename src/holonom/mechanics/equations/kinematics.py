@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from holonom.mechanics.equations.freedoms import FREEDOMS
 from holonom.mechanics.equations.vectors import (
     Pose,
     Vector,
     add,
     columns,
     compose,
-    cross,
     matmul,
     matvec,
     sub,
     tvec,
 )
 from holonom.model import ArmModel, Joint, Transform
-from holonom.trace import Number, cos, sin
+from holonom.trace import Number
 
 __all__ = [
     "JointMotion",
@@ -56,15 +56,11 @@ def joint_motion(joint: Joint, q: Number) -> JointMotion:
     """T_(i-1)i = before Rot(z, q) after, or before Trans(z, q) after."""
     (Rb, pb), (Ra, pa) = split(joint.before), split(joint.after)
     z_child = list(Ra[2])  # Ra^T z
-    if joint.kind == "revolute":
-        c, s = cos(q), sin(q)
-        Rz: list[list[Number]] = [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]
-        turn = matmul(Rb, Rz)
-        p = add(pb, matvec(turn, pa))
-        return JointMotion(matmul(turn, Ra), p, z_child, list(pb), tvec(Ra, pa), [0.0, 0.0, 0.0])
-    slide = [z * q for z in z_child]
-    along = matvec(Rb, [pa[0], pa[1], pa[2] + q])
-    return JointMotion(matmul(Rb, Ra), add(pb, along), z_child, list(pb), tvec(Ra, pa), slide)
+    Rz, way = FREEDOMS[joint.kind].displaced(q)
+    turn = Rb if Rz is None else matmul(Rb, Rz)
+    slide = [z * way for z in z_child]
+    along = matvec(turn, [pa[0], pa[1], pa[2] + way])
+    return JointMotion(matmul(turn, Ra), add(pb, along), z_child, list(pb), tvec(Ra, pa), slide)
 
 
 def spread(model: ArmModel, q: Vector, *, rates: bool = False) -> list[Number]:
@@ -134,12 +130,10 @@ def jacobian(model: ArmModel, q: Vector, expressed_in: str) -> list[Number]:
         R, p = T[model.parent(i) + 1]
         Rb, pb = split(joint.before)
         z = columns(matmul(R, Rb))[2]
-        v: list[Number] = [0.0] * 3
-        w: list[Number] = [0.0] * 3
-        if i in path and joint.kind == "revolute":
-            v, w = cross(z, sub(p_tool, add(p, matvec(R, pb)))), z
-        elif i in path:
-            v = z
+        v: Vector = [0.0] * 3
+        w: Vector = [0.0] * 3
+        if i in path:
+            w, v = FREEDOMS[joint.kind].twist(z, sub(add(p, matvec(R, pb)), p_tool))
         if R_from is not None:
             v, w = tvec(R_from, v), tvec(R_from, w)
         columns_.append([*v, *w])

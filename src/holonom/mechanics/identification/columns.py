@@ -13,7 +13,7 @@ from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.equations.dynamics import regressor as equations
 from holonom.mechanics.equations.dynamics.regressor import BODY_PARAMETERS, DRIVE_PARAMETERS
 from holonom.mechanics.equations.dynamics.rotors import reflected_inertia
-from holonom.mechanics.kernels.table import bodies_of
+from holonom.mechanics.kernels.placement import bodies_of
 from holonom.model import ArmModel, Friction
 from holonom.trace.line.arrays import on_arrays
 

@@ -13,6 +13,7 @@ from holonom.mechanics.equations.dynamics.derivatives import Derivatives
 from holonom.mechanics.equations.dynamics.forward_dynamics import forward_dynamics, solve_ldl
 from holonom.mechanics.equations.dynamics.inertia import Inertial
 from holonom.mechanics.equations.vectors import Matrix, Vector, matmul, matvec, scale, transpose
+from holonom.mechanics.kernels.placement import Here, compile_here
 from holonom.mechanics.kernels.results import (
     CouplingTable,
     Energy,
@@ -20,7 +21,7 @@ from holonom.mechanics.kernels.results import (
     InverseDynamicsDerivatives,
 )
 from holonom.model import ArmModel
-from holonom.trace import Kernel, Number, Scalar, compile
+from holonom.trace import Kernel, Number, Scalar
 from holonom.trace.derivative import jacobian
 
 __all__ = ["DYNAMICS", "WITH_FRICTION"]
@@ -40,10 +41,11 @@ def _scalars(values: Vector) -> list[Scalar]:
     return [v for v in values if isinstance(v, Scalar)]
 
 
-def _inverse_derivatives(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
+def _inverse_derivatives(model: ArmModel, options: Options) -> Kernel:
     friction = options["friction"]
 
-    def equation(q: Vector, qd: Vector, qdd: Vector) -> list[list[Number]]:
+    def equation(here: Here, q: Vector, qd: Vector, qdd: Vector) -> list[list[Number]]:
+        model, bodies = here.model, here.bodies
         if model.rotors == "full":
             found = _by_graph(model, bodies, q, qd, qdd, friction)
         else:
@@ -52,8 +54,15 @@ def _inverse_derivatives(model: ArmModel, bodies: Sequence[Inertial], options: O
 
     n = len(model.independent)
     outputs = {"dtau_dq": (n, n), "dtau_dqd": (n, n), "dtau_dqdd": (n, n)}
-    name = f"{model.name}_inverse_dynamics_derivatives"
-    return compile(equation, {"q": n, "qd": n, "qdd": n}, outputs, name=name, result=InverseDynamicsDerivatives)
+    return compile_here(
+        model,
+        options,
+        equation,
+        {"q": n, "qd": n, "qdd": n},
+        outputs,
+        name="inverse_dynamics_derivatives",
+        result=InverseDynamicsDerivatives,
+    )
 
 
 def _by_graph(
@@ -66,11 +75,12 @@ def _by_graph(
     return Derivatives([row[:n] for row in rows], by_speed, composite_body.mass_matrix(model, bodies, q))
 
 
-def _forward_derivatives(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
+def _forward_derivatives(model: ArmModel, options: Options) -> Kernel:
     friction, n = options["friction"], len(model.independent)
     in_columns = n >= MANY and model.rotors == "reflected"
 
-    def equation(q: Vector, qd: Vector, tau: Vector) -> Sequence[Vector]:
+    def equation(here: Here, q: Vector, qd: Vector, tau: Vector) -> Sequence[Vector]:
+        model, bodies = here.model, here.bodies
         if in_columns:
             return derivatives.forward_dynamics_columns(model, bodies, q, qd, tau, friction=friction)
         if model.rotors == "full":
@@ -79,11 +89,13 @@ def _forward_derivatives(model: ArmModel, bodies: Sequence[Inertial], options: O
             found = derivatives.forward_dynamics_derivatives(model, bodies, q, qd, tau, friction=friction)
         return [_flat(rows) for rows in found]
 
-    return compile(
+    return compile_here(
+        model,
+        options,
         equation,
         {"q": n, "qd": n, "tau": n},
         {"dqdd_dq": (n, n), "dqdd_dqd": (n, n), "dqdd_dtau": (n, n)},
-        name=f"{model.name}_forward_dynamics_derivatives",
+        name="forward_dynamics_derivatives",
         columns=derivatives.forward_dynamics_column if in_columns else None,
         result=ForwardDynamicsDerivatives,
     )
@@ -118,29 +130,34 @@ def _coriolis_rows(model: ArmModel, bodies: Sequence[Inertial], q: Vector, qd: V
     return [scale(0.5, row) for row in jacobian(bias, _scalars(qd))]  # the bias is quadratic in qd
 
 
-def _coriolis(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
+def _coriolis(model: ArmModel, options: Options) -> Kernel:
     n = len(model.independent)
-    return compile(
-        lambda q, qd: _flat(_coriolis_rows(model, bodies, q, qd)),
+    return compile_here(
+        model,
+        options,
+        lambda here, q, qd: _flat(_coriolis_rows(here.model, here.bodies, q, qd)),
         {"q": n, "qd": n},
         {"C": (n, n)},
-        name=f"{model.name}_coriolis_matrix",
+        name="coriolis_matrix",
     )
 
 
-def _christoffel(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
+def _christoffel(model: ArmModel, options: Options) -> Kernel:
     n, in_columns = len(model.independent), _symbols_in_columns(model)
 
-    def equation(q: Vector) -> Sequence[Any]:
+    def equation(here: Here, q: Vector) -> Sequence[Any]:
+        model, bodies = here.model, here.bodies
         if in_columns:
             return coriolis.christoffel_columns(model, bodies, q)
         return [c for layer in _symbols(model, bodies, q) for c in _flat(layer)]
 
-    return compile(
+    return compile_here(
+        model,
+        options,
         equation,
         {"q": n},
         {"c": (n, n, n)},
-        name=f"{model.name}_christoffel",
+        name="christoffel",
         columns=(lambda shared, own: _flat(coriolis.christoffel_column(model, shared, own))) if in_columns else None,
     )
 
@@ -159,12 +176,13 @@ def _symbols(model: ArmModel, bodies: Sequence[Inertial], q: Vector) -> Sequence
     ]
 
 
-def _coupling_table(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
+def _coupling_table(model: ArmModel, options: Options) -> Kernel:
     """D_i, D_ij, D_ijj, and D_ijk with zeros for j = k."""
     n, in_columns = len(model.independent), _symbols_in_columns(model)
     places = range(n)
 
-    def equation(q: Vector) -> Sequence[Vector]:
+    def equation(here: Here, q: Vector) -> Sequence[Vector]:
+        model, bodies = here.model, here.bodies
         gravity = newton_euler.inverse_dynamics(model, bodies, q, [0.0] * n, [0.0] * n)
         B = _flat(composite_body.mass_matrix(model, bodies, q))
         if in_columns:
@@ -184,58 +202,78 @@ def _coupling_table(model: ArmModel, bodies: Sequence[Inertial], options: Option
         return [gravity, B, matvec(c, unit), [c[i][j] * (1.0 - unit[j]) for i in places for j in places]]
 
     outputs: dict[str, int | tuple[int, ...]] = {"gravity": n, "B": (n, n), "D2": (n, n), "D3": (n, n, n)}
-    name = f"{model.name}_coupling_table"
-    return compile(equation, {"q": n}, outputs, name=name, columns=column if in_columns else None, result=CouplingTable)
-
-
-def _bias(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
-    n, friction = len(model.independent), options["friction"]
-    return compile(
-        lambda q, qd: newton_euler.inverse_dynamics(model, bodies, q, qd, [0.0] * n, friction=friction),
-        {"q": n, "qd": n},
-        {"h": n},
-        name=f"{model.name}_bias",
+    columns = column if in_columns else None
+    return compile_here(
+        model, options, equation, {"q": n}, outputs, name="coupling_table", columns=columns, result=CouplingTable
     )
 
 
-def _energy(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
+def _bias(model: ArmModel, options: Options) -> Kernel:
+    n, friction = len(model.independent), options["friction"]
+    return compile_here(
+        model,
+        options,
+        lambda here, q, qd: newton_euler.inverse_dynamics(here.model, here.bodies, q, qd, [0.0] * n, friction=friction),
+        {"q": n, "qd": n},
+        {"h": n},
+        name="bias",
+    )
+
+
+def _energy(model: ArmModel, options: Options) -> Kernel:
     n = len(model.independent)
-    return compile(
-        lambda q, qd: [[energy.kinetic_energy(model, bodies, q, qd)], [energy.potential_energy(model, bodies, q)]],
+
+    def equation(here: Here, q: Vector, qd: Vector) -> list[list[Number]]:
+        model, bodies = here.model, here.bodies
+        return [[energy.kinetic_energy(model, bodies, q, qd)], [energy.potential_energy(model, bodies, q)]]
+
+    return compile_here(
+        model,
+        options,
+        equation,
         {"q": n, "qd": n},
         {"kinetic": (), "potential": ()},
-        name=f"{model.name}_energy",
+        name="energy",
         result=Energy,
     )
 
 
-def _momentum(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
+def _momentum(model: ArmModel, options: Options) -> Kernel:
     n = len(model.independent)
-    return compile(
-        lambda q, qd: energy.momentum(model, bodies, q, qd), {"q": n, "qd": n}, {"p": n}, name=f"{model.name}_momentum"
+    return compile_here(
+        model,
+        options,
+        lambda here, q, qd: energy.momentum(here.model, here.bodies, q, qd),
+        {"q": n, "qd": n},
+        {"p": n},
+        name="momentum",
     )
 
 
-def _centroidal_momentum(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
+def _centroidal_momentum(model: ArmModel, options: Options) -> Kernel:
     n = len(model.independent)
-    return compile(
-        lambda q, qd: energy.centroidal_momentum(model, bodies, q, qd),
+    return compile_here(
+        model,
+        options,
+        lambda here, q, qd: energy.centroidal_momentum(here.model, here.bodies, q, qd),
         {"q": n, "qd": n},
         {"h": 6},
-        name=f"{model.name}_centroidal_momentum",
+        name="centroidal_momentum",
     )
 
 
-def _centre_of_mass(model: ArmModel, bodies: Sequence[Inertial], options: Options) -> Kernel:
-    return compile(
-        lambda q: energy.centre_of_mass(model, bodies, q),
+def _centre_of_mass(model: ArmModel, options: Options) -> Kernel:
+    return compile_here(
+        model,
+        options,
+        lambda here, q: energy.centre_of_mass(here.model, here.bodies, q),
         {"q": len(model.independent)},
         {"c": 3},
-        name=f"{model.name}_centre_of_mass",
+        name="centre_of_mass",
     )
 
 
-DYNAMICS: Mapping[str, Callable[[ArmModel, Sequence[Inertial], Options], Kernel]] = {
+DYNAMICS: Mapping[str, Callable[[ArmModel, Options], Kernel]] = {
     "inverse_dynamics_derivatives": _inverse_derivatives,
     "forward_dynamics_derivatives": _forward_derivatives,
     "coriolis_matrix": _coriolis,

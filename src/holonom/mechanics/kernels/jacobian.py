@@ -8,9 +8,10 @@ from typing import Any
 from holonom.errors import UnknownName
 from holonom.mechanics.equations import kinematics
 from holonom.mechanics.equations.vectors import Matrix, Vector, matmul, matvec
+from holonom.mechanics.kernels.placement import Here, compile_here
 from holonom.mechanics.kernels.results import AnalyticJacobian
 from holonom.model import ArmModel
-from holonom.trace import Kernel, Number, Scalar, compile, less, select, sqrt
+from holonom.trace import Kernel, Number, Scalar, less, select, sqrt
 from holonom.trace.derivative import along, jacobian
 
 __all__ = ["FRAMED", "JACOBIANS", "frame_named"]
@@ -38,11 +39,13 @@ def frame_named(options: Options) -> str:
 
 def _jacobian_rate(model: ArmModel, options: Options) -> Kernel:
     n, frame = len(model.independent), frame_named(options)
-    return compile(
-        lambda q, qd: along(kinematics.jacobian(model, q, frame), _scalars(q), qd),
+    return compile_here(
+        model,
+        options,
+        lambda here, q, qd: along(kinematics.jacobian(here.model, q, frame), _scalars(q), qd),
         {"q": n, "qd": n},
         {"Jd": (6, n)},
-        name=f"{model.name}_jacobian_rate_{frame}",
+        name=f"jacobian_rate_{frame}",
     )
 
 
@@ -50,20 +53,23 @@ def _acceleration_bias(model: ArmModel, options: Options) -> Kernel:
     """Jdot qd as the rate of J qd with qd held: without Jdot."""
     n, frame = len(model.independent), frame_named(options)
 
-    def equation(q: Vector, qd: Vector) -> list[Number]:
-        J = kinematics.jacobian(model, q, frame)
+    def equation(here: Here, q: Vector, qd: Vector) -> list[Number]:
+        J = kinematics.jacobian(here.model, q, frame)
         return along(matvec([J[n * i : n * i + n] for i in range(6)], qd), _scalars(q), qd)
 
-    return compile(equation, {"q": n, "qd": n}, {"a": 6}, name=f"{model.name}_acceleration_bias_{frame}")
+    name = f"acceleration_bias_{frame}"
+    return compile_here(model, options, equation, {"q": n, "qd": n}, {"a": 6}, name=name)
 
 
 def _jacobian_hessian(model: ArmModel, options: Options) -> Kernel:
     n, frame = len(model.independent), frame_named(options)
-    return compile(
-        lambda q: _flat(jacobian(kinematics.jacobian(model, q, frame), _scalars(q))),
+    return compile_here(
+        model,
+        options,
+        lambda here, q: _flat(jacobian(kinematics.jacobian(here.model, q, frame), _scalars(q))),
         {"q": n},
         {"H": (6, n, n)},
-        name=f"{model.name}_jacobian_hessian_{frame}",
+        name=f"jacobian_hessian_{frame}",
     )
 
 
@@ -72,19 +78,21 @@ def _analytic_jacobian(model: ArmModel, options: Options) -> Kernel:
     if angles not in ("zyz", "rpy"):
         raise UnknownName("angles", str(angles), ("zyz", "rpy"))
 
-    def equation(q: Vector) -> list[list[Number]]:
-        J = kinematics.jacobian(model, q, "world")
-        R, _ = kinematics.frames(model, q)[-1]
+    def equation(here: Here, q: Vector) -> list[list[Number]]:
+        J = kinematics.jacobian(here.model, q, "world")
+        R, _ = kinematics.frames(here.model, q)[-1]
         rows = [J[n * i : n * i + n] for i in range(6)]
         rates, degenerate = _angle_rates(R, angles)
         return [_flat([*rows[:3], *matmul(rates, rows[3:])]), [degenerate]]
 
     outputs: dict[str, int | tuple[int, ...]] = {"J": (6, n), "degenerate": ()}
-    return compile(
+    return compile_here(
+        model,
+        options,
         equation,
         {"q": n},
         outputs,
-        name=f"{model.name}_analytic_jacobian_{angles}",
+        name=f"analytic_jacobian_{angles}",
         integers=("degenerate",),
         result=lambda J, degenerate: AnalyticJacobian(J, degenerate.view(bool)),
     )

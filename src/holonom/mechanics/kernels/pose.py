@@ -10,6 +10,7 @@ from holonom.errors import UnknownName
 from holonom.mechanics.equations.criteria import CRITERIA, Criterion
 from holonom.mechanics.equations.pose_task import damped_multipliers, pose_task
 from holonom.mechanics.equations.vectors import Vector
+from holonom.mechanics.kernels.placement import Here, compile_here
 from holonom.model import ArmModel
 from holonom.trace import Kernel, Number, Scalar, compile
 from holonom.trace.derivative import jacobian
@@ -23,11 +24,11 @@ def task(model: ArmModel, options: Options) -> Kernel:
     """Trace q, goal, weights -> residual, e, J^T, J J^T of `equations.pose_task`."""
     n, frame, exact = len(model.independent), options["frame"], options["exact"]
 
-    def equation(q: Vector, goal: Vector, weights: Vector) -> list[Number]:
-        return pose_task(model, q, goal, weights, frame, exact)
+    def equation(here: Here, q: Vector, goal: Vector, weights: Vector) -> list[Number]:
+        return pose_task(here.model, q, goal, weights, frame, exact)
 
-    name = f"{model.name}_pose_task_{frame}{'_exact' if exact else ''}"
-    return compile(equation, {"q": n, "goal": 12, "weights": 6}, {"task": 28 + 6 * n}, name=name)
+    inputs, name = {"q": n, "goal": 12, "weights": 6}, f"pose_task_{frame}{'_exact' if exact else ''}"
+    return compile_here(model, options, equation, inputs, {"task": 28 + 6 * n}, name=name)
 
 
 @functools.cache
@@ -49,9 +50,10 @@ def criterion(model: ArmModel, options: Options) -> Kernel:
     function = CRITERIA[chosen] if isinstance(chosen, str) else chosen
     n = len(model.independent)
 
-    def equation(q: Sequence[Scalar], preferred: Sequence[Scalar]) -> tuple[list[Number], list[Number]]:
-        value = function(model, q, preferred)
+    def equation(here: Here, q: Sequence[Scalar], preferred: Sequence[Scalar]) -> tuple[list[Number], list[Number]]:
+        value = function(here.model, q, preferred)
         return [value], jacobian([value], q, "reverse")[0]
 
     name = chosen if isinstance(chosen, str) else "".join(c for c in function.__name__ if c.isalnum() or c == "_")
-    return compile(equation, {"q": n, "preferred": n}, {"H": 1, "slope": n}, name=f"{model.name}_criterion_{name}")
+    outputs = {"H": 1, "slope": n}
+    return compile_here(model, options, equation, {"q": n, "preferred": n}, outputs, name=f"criterion_{name}")

@@ -33,6 +33,10 @@ class SolvedArm(Protocol):
     model: ArmModel
     n: int
 
+    @property
+    def first(self) -> SolvedArm:
+        """The arm whose compiled equations it uses: itself, or as it stands elsewhere."""
+
     def fk(self, q: ArrayLike, /) -> Array:
         """T_wt (..., 4, 4)."""
 
@@ -56,3 +60,6 @@ class SolvedArm(Protocol):
 
     def kernel(self, name: str, **options: Any) -> Kernel:
         """Return a compiled equation of the table."""
+
+    def pointer(self, name: str, **options: Any) -> tuple[int, Array]:
+        """Address of a compiled equation in C form, and the numbers that follow its own inputs."""

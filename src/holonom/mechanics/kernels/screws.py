@@ -50,7 +50,7 @@ def screw_chain(model: ArmModel) -> ScrewChain | None:
     axes, home = _at_zero(model)
     own = _own_frame(axes)
     axes, home = _seen_from(own, axes), np.linalg.inv(own) @ home
-    kinds = [j.kind == "revolute" for j in model.joints]
+    kinds = [j.turns for j in model.joints]
     reference, axes, home = _straightened(axes, kinds, home)
     directions = _directions(axes[:, 0])
     screws = tuple(

@@ -11,8 +11,9 @@ from holonom.mechanics.equations.inverse.puma_geometry import puma_geometry
 from holonom.mechanics.equations.singularities import parallel_measures, puma_measures, volume
 from holonom.mechanics.equations.vectors import Vector, transpose
 from holonom.mechanics.kernels.closed_form import closed_form
+from holonom.mechanics.kernels.placement import Here, compile_here
 from holonom.model import ArmModel
-from holonom.trace import Kernel, Number, compile
+from holonom.trace import Kernel, Number
 
 __all__ = ["NAMED", "PARTS", "SINGULARITIES", "measures_of", "rows_of"]
 
@@ -39,12 +40,12 @@ def _manipulability(model: ArmModel, options: Options) -> Kernel:
     n, part = len(model.independent), options["part"]
     wanted = rows_of(part)
 
-    def equation(q: Vector) -> list[Number]:
-        J = kinematics.jacobian(model, q, "world")
+    def equation(here: Here, q: Vector) -> list[Number]:
+        J = kinematics.jacobian(here.model, q, "world")
         rows = [J[n * i : n * i + n] for i in range(6)][wanted]
         return [volume(rows if len(rows) <= n else transpose(rows))]
 
-    return compile(equation, {"q": n}, {"w": ()}, name=f"{model.name}_manipulability_{part}")
+    return compile_here(model, options, equation, {"q": n}, {"w": ()}, name=f"manipulability_{part}")
 
 
 def measures_of(model: ArmModel) -> Callable[[Vector], list[Number]] | None:
@@ -62,7 +63,8 @@ def _measures(model: ArmModel, options: Options) -> Kernel:
     equation = measures_of(model)
     if equation is None:
         raise UnknownName("kernel of arm", "singularity_measures", ())
-    return compile(equation, {"q": len(model.joints)}, {"m": len(NAMED)}, name=f"{model.name}_singularity_measures")
+    name, outputs = "singularity_measures", {"m": len(NAMED)}
+    return compile_here(model, options, lambda here, q: equation(q), {"q": len(model.joints)}, outputs, name=name)
 
 
 SINGULARITIES: Mapping[str, Callable[[ArmModel, Options], Kernel]] = {

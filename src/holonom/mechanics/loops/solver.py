@@ -60,8 +60,9 @@ class Chain(NamedTuple):
 class Search(NamedTuple):
     """How to search.
 
-    `task`, `multipliers`, `criterion`: addresses of the kernels of `pose_kernels` (criterion 0: none); `weights` (6,)
-    of the error rows; `first`: number of the sequence's first point.
+    `task`, `multipliers`, `criterion`: addresses of the kernels of `kernels.pose` (criterion 0: none); `weights` of the
+    six error rows, and what the task's kernel takes after them (`SolvedArm.pointer`); `first`: number of the sequence's
+    first point.
     """
 
     task: int
@@ -92,11 +93,11 @@ class _Room(NamedTuple):
 
 
 @loop(error_model="numpy")
-def scratch(n: int) -> Any:
-    """Return the room that one thread needs for an arm of n joints."""
+def scratch(n: int, weights: int) -> Any:
+    """Return the room that one thread needs for an arm of n joints and so many weights."""
     return _Room(
-        np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n + 18), np.zeros(28 + 6 * n),
-        np.zeros(28 + 6 * n), np.zeros(28), np.zeros(6), np.zeros(2 * n), np.zeros(n + 1),
+        np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n + 12 + weights),
+        np.zeros(28 + 6 * n), np.zeros(28 + 6 * n), np.zeros(28), np.zeros(6), np.zeros(2 * n), np.zeros(n + 1),
     )  # fmt: skip
 
 
@@ -319,8 +320,9 @@ def solve_rows(
 ) -> None:
     """Solve rows first .. last of goals (12 N,); starts (n N,) or (0,); preferred (n N,) or (0,); to q (n N,)."""
     n = chain.lower.shape[0]
-    room = scratch(n)
-    _copy(search.weights, 0, 6, room.source, n + 12)
+    count = search.weights.shape[0]
+    room = scratch(n, count)
+    _copy(search.weights, 0, count, room.source, n + 12)
     for row in range(first, last):
         _copy(goals, 12 * row, 12, room.source, n)
         least, total, blocked = _solve(chain, search, room, starts, preferred, row)
@@ -366,7 +368,7 @@ def solve_one(
             return -1
     chain = Chain(limits[0], limits[1], limits[2], limits[3], limits[4], limits[5])
     search = Search(whole[0], whole[1], whole[2], numbers[1:], numbers[0], whole[3], whole[4], whole[5])
-    room = scratch(n)
+    room = scratch(n, search.weights.shape[0])
     for i in range(3):
         room.source[n + 4 * i : n + 4 * i + 4] = T[i]
     room.source[n + 12 :] = search.weights

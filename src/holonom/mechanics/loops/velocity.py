@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+import functools
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import float64
+from numba import float64, int64
 
 from holonom.arrays import Array
-from holonom.mechanics.loops.decomposition import PLAN, asked_for, given_jacobian
 from holonom.numeric.jacobi_kernels import COLUMN, FACTOR, SQUARE, laid_out, orthogonalise, slot
 from holonom.numeric.svd_kernels import ROOM, room_for
-from holonom.trace.call.direct import ArrayObject, array_of, fits, scratch
+from holonom.trace.call.direct import ArrayObject, array_of, direct, fits, scratch
+from holonom.trace.call.pointer import call_kernel
 from holonom.trace.call.results import exists, made_like, nothing
 from holonom.trace.code.compiled import select
 from holonom.trace.code.loops import loop
 from holonom.trace.code.simd import largest, load, spread, total
 
 __all__ = ["AUTO", "rates_of_one", "rates_of_rows"]
+
+PLAN = ArrayObject(int64, (2,))
 
 AUTO = -1.0
 """Damping that follows the smallest singular value."""
@@ -79,22 +83,44 @@ def rates_of_rows(J: Array, twist: Array, damping: float, qd: Array) -> None:
         _rates(J[row], twist[row], damping, room, qd[row])
 
 
+@loop(error_model="numpy")
+def _jacobian(plan: Any, q: Array, J: Array) -> bool:
+    """Write the Jacobian at q to the beginning of J (ROOM,), unless q is not finite or of another length."""
+    n = plan[1]
+    total = 0.0
+    for x in q:
+        total += x
+    if q.shape[0] != n or not math.isfinite(total) or room_for(6, n) > ROOM:
+        return False
+    call_kernel(plan[0], q, J)
+    return True
+
+
 _LIST = ArrayObject(float64, (None,))
 
 
-@asked_for(_LIST(PLAN, _LIST, ArrayObject(float64, (6,)), float64, _LIST))
-def rates_of_one(plan: Any, q: Any, twist: Any, damping: float, like: Any) -> Any:
-    """Rates of one sample, in an array like the one given; None if something is not finite or of another shape."""
+def _rates_of_one(plan: Any, q: Any, twist: Any, damping: float, like: Any) -> Any:
+    """Rates of one sample, in an array like the one given; None if something is not finite or of another shape.
+
+    The plan is the address of the arm's Jacobian in C form, and the count of its joints.
+    """
     if not (fits(plan) and fits(q) and fits(twist)):
         return nothing(like)
     J, room, wanted = scratch(ROOM), scratch(ROOM), array_of(twist)
     size = 0.0
     for x in wanted:
         size += x
-    if not math.isfinite(size) or not given_jacobian(array_of(plan), array_of(q), J):
+    if not math.isfinite(size) or not _jacobian(array_of(plan), array_of(q), J):
         return nothing(like)
     result = made_like(like)
     if exists(result):
         n = array_of(q).shape[0]
         _rates(J[: 6 * n].reshape(6, n), wanted, damping, room, array_of(result))
     return result
+
+
+@functools.cache
+def rates_of_one() -> Callable[..., Any]:
+    """`_rates_of_one`, compiled when it is first asked for."""
+    kind = _LIST(PLAN, _LIST, ArrayObject(float64, (6,)), float64, _LIST)
+    return direct(loop(kind, error_model="numpy")(_rates_of_one))

@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 from holonom.arrays import Array, real_array, vectors
 from holonom.errors import InputError, OutOfLimits, ShapeError, UnknownName
 from holonom.mechanics.arm.arm import Arm
-from holonom.mechanics.equations.dynamics.closed_loop import parameter_fields
+from holonom.mechanics.kernels.closed_loop import fields_of
+from holonom.mechanics.kernels.placement import GIVEN
 from holonom.mechanics.motion.trajectory import Trajectory
 from holonom.trace import Kernel
 
@@ -120,21 +121,24 @@ def closed_loop_of(
         "varied": tuple(given),
         "friction": has_friction if friction is None else friction,
         "wrench_frame": wrench_frame,
+        "given": tuple(GIVEN) if arm.placement else (),
     }
     values = dict(given)
+    if arm.placement:
+        values |= {f"at_{name}": value.ravel() for name, value in arm.placement.numbers.items()}
     if isinstance(controller, Law):
         kp, kd = _gains("kp", controller.kp, arm.n), _gains("kd", controller.kd, arm.n)
         values["gains"] = np.concatenate([kp, kd])
     if wrench is not None:
         values["wrench"] = wrench
-    fields = {name: width for name, width in parameter_fields(arm.model, options).items() if width}
+    fields = {name: width for name, width in fields_of(arm.model, options).items() if width}
     tables = {name: rows_of(name, values[name], width) for name, width in fields.items()} or {"none": np.zeros((1, 1))}
     count = count_of(tables)
     whole = np.concatenate([np.broadcast_to(table, (count, table.shape[1])) for table in tables.values()], axis=1)
     rough = [j.friction for j in arm.model.joints if j.friction is not None]
     sticks = options["friction"] and any(f.coulomb_positive or f.coulomb_negative for f in rough)
-    stiction = arm.kernel("stiction", **options) if sticks else None
-    return Loop(arm, arm.kernel("closed_loop", **options), whole, stiction)
+    stiction = arm.first.kernel("stiction", **options) if sticks else None
+    return Loop(arm, arm.first.kernel("closed_loop", **options), whole, stiction)
 
 
 def vector_of(name: str, value: ArrayLike, n: int) -> Array:

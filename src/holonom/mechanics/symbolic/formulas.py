@@ -15,7 +15,7 @@ from holonom.mechanics.equations import kinematics
 from holonom.mechanics.equations.dynamics import composite_body, coriolis, newton_euler
 from holonom.mechanics.equations.dynamics.inertia import Inertial
 from holonom.mechanics.equations.vectors import Matrix, Vector, columns, sub
-from holonom.mechanics.kernels.table import bodies_of
+from holonom.mechanics.kernels.placement import bodies_of
 from holonom.mechanics.symbolic.printing import (
     LETTER,
     MASS,

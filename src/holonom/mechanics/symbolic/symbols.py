@@ -12,7 +12,7 @@ from holonom.mechanics.equations.dynamics.inertia import Inertial, merged, point
 from holonom.mechanics.equations.dynamics.regressor import from_parameters, to_parameters
 from holonom.mechanics.equations.kinematics import joint_motion
 from holonom.mechanics.equations.vectors import sub
-from holonom.mechanics.kernels.table import bodies_of
+from holonom.mechanics.kernels.placement import bodies_of
 from holonom.model import ArmModel, Joint, Motor, Transform
 from holonom.trace import Graph, Number
 

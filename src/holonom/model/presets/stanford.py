@@ -27,6 +27,7 @@ import math
 
 from holonom.model.arm import ArmModel, Body, JointLimits, Motor
 from holonom.model.dh import DHRow, arm_model_from_dh
+from holonom.model.joint_kinds import kind_of
 
 __all__ = ["model"]
 
@@ -69,7 +70,7 @@ def model() -> ArmModel:
         ROWS,
         convention="standard",
         name="stanford",
-        limits=[JointLimits(*BOOM) if row.kind == "prismatic" else a for row, a in zip(ROWS, turning, strict=True)],
+        limits=[JointLimits(*BOOM) if not kind_of(row.kind).turns else a for row, a in zip(ROWS, turning, strict=True)],
         bodies=[Body(m, c, (*i, 0.0, 0.0, 0.0)) for m, c, i in zip(MASS, COM, INERTIA, strict=True)],
     )
     joints = tuple(

@@ -10,13 +10,14 @@ import numpy as np
 
 from holonom.arrays import Array
 from holonom.model.arm import Body, Friction, JointLimits
+from holonom.model.joint_kinds import JOINT_KINDS, kind_of
 from holonom.model.urdf.elements import Element, fault
 
 __all__ = ["UrdfJoint", "UrdfLink", "UrdfMimic", "read_joint", "read_link"]
 
 
-KINDS = ("revolute", "continuous", "prismatic", "fixed")
-NOT_AN_ARM = ("floating", "planar")
+KINDS = {name: name for name in JOINT_KINDS} | {"continuous": "revolute"}
+"""Types of a URDF, and our kinds of joints; a continuous one is without position limits."""
 JOINT_PARTS = ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration", "safety_controller")
 
 
@@ -54,6 +55,16 @@ class UrdfJoint:
     mimic: UrdfMimic | None
     element: Element
 
+    @property
+    def moves(self) -> bool:
+        """Whether it has a place in q, or follows what has."""
+        return bool(kind_of(self.kind).made_of)
+
+    @property
+    def floats(self) -> bool:
+        """Whether what it carries moves freely."""
+        return kind_of(self.kind).free
+
 
 def read_link(element: Element) -> UrdfLink:
     """Return a link; whether its inertia can be is asked elsewhere."""
@@ -79,18 +90,19 @@ def _body(inertial: Element) -> Body:
 def read_joint(element: Element) -> UrdfJoint:
     """Return a joint."""
     element.refuse_misspelt(JOINT_PARTS)
-    name, kind = element.word("name"), _kind(element)
+    name, stated = element.word("name"), _kind(element)
+    kind = KINDS[stated]
     mimic = element.one("mimic")
-    if mimic is not None and kind == "fixed":
-        raise fault(mimic, f"joint {name!r} is fixed and cannot mimic another; delete <mimic>")
+    if mimic is not None and not kind_of(kind).single:
+        raise fault(mimic, f"joint {name!r} is {kind} and cannot mimic another; delete <mimic>")
     return UrdfJoint(
         name=name,
         kind=kind,
         parent=element.need("parent", 'state <parent link="..."/>').word("link"),
         child=element.need("child", 'state <child link="..."/>').word("link"),
         pose=_pose(element.one("origin")),
-        axis=(1.0, 0.0, 0.0) if kind == "fixed" else _axis(element),
-        limits=_limits(element, kind),
+        axis=_axis(element) if kind_of(kind).made_of else (1.0, 0.0, 0.0),
+        limits=_limits(element, stated) if kind_of(kind).single else JointLimits(),
         friction=_friction(element),
         mimic=None if mimic is None else _mimic(mimic),
         element=element,
@@ -98,18 +110,12 @@ def read_joint(element: Element) -> UrdfJoint:
 
 
 def _kind(element: Element) -> str:
-    kind = element.word("type")
-    if kind in NOT_AN_ARM:
-        raise fault(
-            element,
-            f"{element.called()} is {kind}; an arm's joints have one degree of freedom each. "
-            "Make it fixed, or put prismatic and continuous joints in a row",
-        )
-    if kind in KINDS:
-        return kind
-    close = difflib.get_close_matches(kind, KINDS, n=1)
+    stated = element.word("type")
+    if stated in KINDS:
+        return stated
+    close = difflib.get_close_matches(stated, KINDS, n=1)
     hint = f"; did you mean {close[0]!r}?" if close else ""
-    raise fault(element, f"{element.called()} has the unknown type {kind!r}; there is {', '.join(KINDS)}{hint}")
+    raise fault(element, f"{element.called()} has the unknown type {stated!r}; there is {', '.join(KINDS)}{hint}")
 
 
 def _axis(element: Element) -> tuple[float, float, float]:
@@ -124,18 +130,19 @@ def _axis(element: Element) -> tuple[float, float, float]:
 def _limits(element: Element, kind: str) -> JointLimits:
     """Position, speed and effort; a continuous joint has no position limits and may state none at all."""
     limit = element.one("limit")
-    if kind == "fixed" or (kind == "continuous" and limit is None):
+    endless = kind not in JOINT_KINDS
+    if endless and limit is None:
         return JointLimits()
-    if limit is None or (kind != "continuous" and not {"lower", "upper"} & limit.attributes.keys()):
+    if limit is None or (not endless and not {"lower", "upper"} & limit.attributes.keys()):
         raise fault(
             limit or element,
             f"{element.called()} is {kind} and states no position limits; add <limit lower= upper= effort= velocity=>"
-            + (', or make it type="continuous"' if kind == "revolute" else ""),
+            + (', or make it type="continuous"' if kind_of(KINDS[kind]).turns else ""),
         )
     speed, effort = limit.number("velocity"), limit.number("effort")
     if speed < 0 or effort < 0:
         raise fault(limit, f"{element.called()} has velocity {speed} and effort {effort}; both must not be negative")
-    if kind == "continuous":
+    if endless:
         return JointLimits(speed=speed, torque=effort)
     lower, upper = limit.number("lower", 0.0), limit.number("upper", 0.0)
     if lower > upper:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,8 @@ import numpy as np
 from holonom.arrays import Array
 from holonom.errors import ModelError, UnknownName
 from holonom.model.arm import ArmModel, Body, Frame, Joint, Mimic, Motor, constant_transform
+from holonom.model.compound import frame_along, joints_of
+from holonom.model.joint_kinds import kind_of
 from holonom.model.urdf.elements import MAX_BYTES, Element, fault, parse_xml
 from holonom.model.urdf.inertia import check_inertias, fixed_together
 from holonom.model.urdf.parts import UrdfJoint, UrdfLink, read_joint, read_link
@@ -84,17 +87,21 @@ def arm_model_from_urdf(
     joints = by_name([read_joint(element) for element in robot.all("joint")])
     found = root_of(links, list(joints.values()), robot.source)
     root = _known_link(root or found, links)
-    ordered = in_order(list(joints.values()), root)
-    moving = [joint for joint in ordered if joint.kind != "fixed"]
+    ordered, floats = _below_floating(in_order(list(joints.values()), root))
+    moving = [joint for joint in ordered if joint.moves]
     if not moving:
         raise fault(robot, f"no joint below link {root!r} moves; an arm needs a revolute or prismatic joint")
-    places = _places(ordered, root)
+    places = _places(ordered, floats.child if floats else root)
     check_inertias(links.values(), {name for name, place in places.items() if place.joint >= 0}, check_inertia)
     tool = places[_tip(tip, ordered, root, links, places)]
+    made = _joints(moving, places, read_motors(robot, joints))
+    base_body, bodies = _bodies(links, places, len(made))
     return ArmModel(
         robot.word("name"),
-        _joints(moving, places, read_motors(robot, joints)),
-        _bodies(links, places, len(moving)),
+        made,
+        bodies,
+        base_body=base_body,
+        floating=floats is not None,
         tip=tool.joint,
         tool=constant_transform(tool.pose),
         frames=tuple(Frame(name, place.joint, constant_transform(place.pose)) for name, place in places.items()),
@@ -130,47 +137,57 @@ def _places(ordered: Sequence[UrdfJoint], root: str) -> dict[str, _Place]:
     count = 0
     for joint in ordered:
         carrier = places[joint.parent]
-        if joint.kind == "fixed":
+        freedoms = len(kind_of(joint.kind).made_of)
+        if not freedoms:
             places[joint.child] = _Place(carrier.joint, carrier.pose @ joint.pose)
         else:
-            places[joint.child] = _Place(count, np.eye(4))
-            count += 1
+            count += freedoms
+            places[joint.child] = _Place(count - 1, np.eye(4))
     return places
 
 
+def _below_floating(ordered: Sequence[UrdfJoint]) -> tuple[Sequence[UrdfJoint], UrdfJoint | None]:
+    """The joints that a freely moving base carries, and the joint that lets it move; all of them if none does."""
+    floating = [joint for joint in ordered if joint.floats]
+    if not floating:
+        return ordered, None
+    first, below = floating[0], {floating[0].child}
+    kept = []
+    for joint in ordered:
+        if joint.parent in below:
+            below.add(joint.child)
+            kept.append(joint)
+    for joint in ordered:
+        if joint is not first and (joint.floats or (joint.moves and joint.parent not in below)):
+            raise fault(
+                joint.element,
+                f"joint {joint.name!r} moves beside or behind the floating {first.name!r}; only the base of a "
+                "robot may float, and all else must hang on it. Read the parts with root=",
+            )
+    return kept, first
+
+
 def _joints(moving: Sequence[UrdfJoint], places: dict[str, _Place], motors: dict[str, Motor]) -> tuple[Joint, ...]:
-    joints = []
+    joints: list[Joint] = []
     for joint in moving:
         carrier = places[joint.parent]
-        A = _frame_along(joint.axis)
-        joints.append(
-            Joint(
-                joint.name,
-                "prismatic" if joint.kind == "prismatic" else "revolute",
-                before=constant_transform(carrier.pose @ joint.pose @ A),
-                after=constant_transform(A.T),
-                limits=joint.limits,
-                motor=motors.get(joint.name),
-                friction=joint.friction,
-                parent=carrier.joint,
-                mimic=_mimic(joint, moving),
-            )
+        A = frame_along(joint.axis)
+        made = joints_of(
+            joint.name,
+            joint.kind,
+            carrier.pose @ joint.pose @ A,
+            A.T,
+            number=len(joints),
+            parent=carrier.joint,
+            limits=joint.limits,
         )
+        joints += made[:-1]
+        last, motor, mimic = made[-1], motors.get(joint.name), _mimic(joint, moving, places)
+        joints.append(dataclasses.replace(last, motor=motor, friction=joint.friction, mimic=mimic))
     return tuple(joints)
 
 
-def _frame_along(axis: tuple[float, float, float]) -> Array:
-    """A rotation (4, 4) that takes z to the axis; for an axis along x, y or z it only permutes and flips."""
-    T = np.eye(4)
-    z = np.array(axis)
-    if axis != (0.0, 0.0, 1.0):
-        x = np.cross(np.eye(3)[np.argmin(np.abs(z))], z)
-        x /= np.linalg.norm(x)
-        T[:3, :3] = np.column_stack([x, np.cross(z, x), z])
-    return T
-
-
-def _mimic(joint: UrdfJoint, moving: Sequence[UrdfJoint]) -> Mimic | None:
+def _mimic(joint: UrdfJoint, moving: Sequence[UrdfJoint], places: dict[str, _Place]) -> Mimic | None:
     if joint.mimic is None:
         return None
     names = [other.name for other in moving]
@@ -184,16 +201,23 @@ def _mimic(joint: UrdfJoint, moving: Sequence[UrdfJoint]) -> Mimic | None:
             f"joint {joint.name!r} mimics {other.name!r}, which mimics {other.mimic.joint!r}; "
             "name the joint that moves on its own, with the factors multiplied",
         )
-    return Mimic(number, joint.mimic.multiplier, joint.mimic.offset)
+    if not kind_of(other.kind).single:
+        raise fault(joint.mimic.element, f"joint {joint.name!r} mimics {other.name!r}, which is {other.kind}")
+    return Mimic(places[other.child].joint, joint.mimic.multiplier, joint.mimic.offset)
 
 
-def _bodies(links: dict[str, UrdfLink], places: dict[str, _Place], count: int) -> tuple[Body, ...] | None:
-    parts: list[list[tuple[Body, Array]]] = [[] for _ in range(count)]
+def _bodies(
+    links: dict[str, UrdfLink], places: dict[str, _Place], count: int
+) -> tuple[Body | None, tuple[Body, ...] | None]:
+    """The base's body, and those of all joints; None where there is no mass."""
+    parts: list[list[tuple[Body, Array]]] = [[] for _ in range(count + 1)]
     for name, place in places.items():
         body = links[name].body
-        if place.joint >= 0 and body is not None and (body.mass > 0 or any(body.inertia)):
-            parts[place.joint].append((body, place.pose))
-    return tuple(fixed_together(part) for part in parts) if any(parts) else None
+        if body is not None and (body.mass > 0 or any(body.inertia)):
+            parts[place.joint + 1].append((body, place.pose))
+    base, *rest = parts
+    bodies = tuple(fixed_together(part) for part in rest) if any(rest) else None
+    return fixed_together(base) if base else None, bodies
 
 
 def _tip(

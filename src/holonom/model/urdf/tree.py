@@ -94,7 +94,7 @@ def tip_of(ordered: Sequence[UrdfJoint], root: str) -> str:
     leaves = dict.fromkeys([root])
     for joint in ordered:
         moving, links = depth[joint.parent]
-        depth[joint.child] = (moving + (joint.kind != "fixed" and joint.mimic is None), links + 1)
+        depth[joint.child] = (moving + (joint.moves and joint.mimic is None), links + 1)
         leaves.pop(joint.parent, None)
         leaves[joint.child] = None
     for convention in TOOL_NAMES:
@@ -110,8 +110,8 @@ def _hand(finger: str, ordered: Sequence[UrdfJoint], root: str) -> str | None:
     """The link before a finger, if the way to it ends in two or more moving branches of a few joints each."""
     body = {root: root}  # the first link of the rigid body that a link belongs to
     for joint in ordered:
-        body[joint.child] = body[joint.parent] if joint.kind == "fixed" else joint.child
-    moving = [joint for joint in ordered if joint.kind != "fixed"]
+        body[joint.child] = joint.child if joint.moves else body[joint.parent]
+    moving = [joint for joint in ordered if joint.moves]
     branches = Counter(body[joint.parent] for joint in moving)
     height: defaultdict[str, int] = defaultdict(int)
     for joint in reversed(moving):
@@ -121,6 +121,6 @@ def _hand(finger: str, ordered: Sequence[UrdfJoint], root: str) -> str | None:
     while finger != root:
         joint = carrier[finger]
         finger, palm = joint.parent, body[joint.parent]
-        if joint.kind != "fixed" and palm != root and branches[palm] > 1 and height[palm] <= FINGER_JOINTS:
+        if joint.moves and palm != root and branches[palm] > 1 and height[palm] <= FINGER_JOINTS:
             hand = finger
     return hand

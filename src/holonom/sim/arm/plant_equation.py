@@ -9,7 +9,7 @@ from holonom.mechanics.equations import kinematics
 from holonom.mechanics.equations.dynamics import forward_dynamics
 from holonom.mechanics.equations.dynamics.inertia import merged, point_mass
 from holonom.mechanics.equations.vectors import Vector, add, dot, matvec, tvec
-from holonom.mechanics.kernels.table import bodies_of
+from holonom.mechanics.kernels.placement import bodies_of
 from holonom.model import ArmModel
 from holonom.trace import Kernel, Number, compile, less, maximum, select
 

@@ -38,9 +38,8 @@ BESIDE = 0.01
 """Part of a joint's range by which a home that nobody states keeps away from its limits."""
 SUNK = 1e-3
 """m that the tool of an arm may begin within a surface."""
-SLOW = {"prismatic": 0.25}
-"""Speed limit of a joint that states none, m/s; of others `SLOW_TURN`."""
-SLOW_TURN = 1.0  # rad/s
+SLOW_TURN, SLOW_SLIDE = 1.0, 0.25
+"""Speed limit of a joint that states none, rad/s and m/s."""
 
 
 @dataclasses.dataclass(frozen=True, slots=True)
@@ -242,7 +241,7 @@ def _with_limits(arm: Arm, home: Array) -> tuple[Arm, tuple[str, ...]]:
     for i, b in zip(arm.model.independent, inertia, strict=True):
         limits, name = joints[i].limits, joints[i].name
         if not (0.0 < limits.speed < math.inf):
-            limits = dataclasses.replace(limits, speed=SLOW.get(joints[i].kind, SLOW_TURN))
+            limits = dataclasses.replace(limits, speed=SLOW_TURN if joints[i].turns else SLOW_SLIDE)
             slow.append(name)
         if not (0.0 < limits.acceleration < math.inf):
             most = 0.5 * limits.torque / b if 0.0 < limits.torque < math.inf and 0.0 < b < math.inf else math.inf

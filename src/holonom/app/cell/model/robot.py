@@ -145,7 +145,7 @@ def _home(given: Any, info: ValidationInfo) -> Any:
         raise CellError("it came; a base has none; give it a pose")
     joints = [source.model.joints[i] for i in source.model.independent]
     if len(given) != len(joints):
-        what = "joint angles" if all(joint.kind == "revolute" for joint in joints) else "joint values"
+        what = "joint angles" if all(joint.turns for joint in joints) else "joint values"
         raise CellError(f"{len(given)} {what} came; {source.name} has {len(joints)} joints")
     faults = Faults()
     found = [
@@ -161,11 +161,11 @@ def _home(given: Any, info: ValidationInfo) -> Any:
 
 
 def _dimension(joint: Joint) -> str:
-    return "length" if joint.kind == "prismatic" else "angle"
+    return "angle" if joint.turns else "length"
 
 
 def _written(value: float, joint: Joint) -> str:
-    return f"{value:g}m" if joint.kind == "prismatic" else f"{value / _DEGREE:g}deg"
+    return f"{value / _DEGREE:g}deg" if joint.turns else f"{value:g}m"
 
 
 _QUANTITIES = {"type": "array", "items": {"type": "string"}}

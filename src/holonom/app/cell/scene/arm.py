@@ -40,7 +40,7 @@ def arm_reach(model: ArmModel) -> float:
     total = float(np.linalg.norm(np.array(model.tool)[:3, 3]))
     for joint in model.joints:
         before, after = (float(np.linalg.norm(np.array(T)[:3, 3])) for T in (joint.before, joint.after))
-        bounds = (joint.limits.lower, joint.limits.upper) if joint.kind == "prismatic" else (0.0, 0.0)
+        bounds = (0.0, 0.0) if joint.turns else (joint.limits.lower, joint.limits.upper)
         total += before + after + min(max(map(abs, bounds)), RAIL)
     return total
 
@@ -89,7 +89,7 @@ def _links(model: ArmModel, *, tool: bool) -> list[Shape]:
         shapes += [_bar(frame, own, end, 0.8 * r) for end in ends if np.linalg.norm(end - own) > r]
         half = 0.9 * r
         shapes.append(Tube(frame, _point(own - half * axis), _point(own + half * axis), 1.1 * r, JOINT))
-        if joint.kind == "prismatic":
+        if not joint.turns:
             shapes.append(_rail(model, i, 0.5 * r))
     return shapes
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from holonom.app.recording import Recording
 from holonom.arrays import Array
+from holonom.model.joint_kinds import kind_of
 
 __all__ = ["Curve", "curves_html", "joint_curves"]
 
@@ -49,7 +50,7 @@ def joint_curves(
     """
     joints, drives, names = recording.joints, recording.drives, recording.joint_names
     known = kinds if len(kinds) == len(names) else ["revolute"] * len(names)
-    slides = np.array([kind == "prismatic" for kind in known], dtype=bool)
+    slides = np.array([not kind_of(kind).turns for kind in known], dtype=bool)
     curves = _by_kind(f"{key}position", "Joint position", ("°", "mm"), joints.time, joints.position, names, slides)
     title = "Tracking error, reference − measured"
     curves += _by_kind(f"{key}error", title, ("mrad", "mm"), joints.time, _error(recording), names, slides)

@@ -7,6 +7,7 @@ import numpy as np
 from holonom.app.report.findings.base_findings import Phase, findings_of, motion_of, path_error
 from holonom.app.report.findings.peaks import peaks_of
 from holonom.app.report.source import RobotSource
+from holonom.model.joint_kinds import kind_of
 
 __all__ = ["headline_of"]
 
@@ -19,7 +20,7 @@ def headline_of(robot: RobotSource) -> dict[str, str]:
 def _of_arm(robot: RobotSource) -> dict[str, str]:
     facts = {"Controller": robot.facts.controller.replace("_", " ")} if robot.facts.controller else {}
     error = peaks_of(robot)["error"]
-    turning = np.array([kind != "prismatic" for kind in robot.facts.kinds], dtype=bool)
+    turning = np.array([kind_of(kind).turns for kind in robot.facts.kinds], dtype=bool)
     if len(error) and np.isfinite(error[turning]).any():
         facts["Largest joint error"] = f"{np.degrees(np.nanmax(error[turning])):.3f} deg"
     return facts

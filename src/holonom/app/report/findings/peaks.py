@@ -8,6 +8,7 @@ from holonom.app.recording import Recording
 from holonom.app.report.sections import LimitUse
 from holonom.app.report.source import RobotSource
 from holonom.arrays import Array
+from holonom.model.joint_kinds import kind_of
 
 __all__ = ["limit_uses", "peaks_of"]
 
@@ -58,7 +59,7 @@ def _title(robot: RobotSource, name: str) -> str:
 
 
 def _unit(robot: RobotSource, units: tuple[str, str]) -> str:
-    kinds = {kind == "prismatic" for kind in robot.facts.kinds}
+    kinds = {not kind_of(kind).turns for kind in robot.facts.kinds}
     return " or ".join(dict.fromkeys(units[slides] for slides in sorted(kinds)))
 
 

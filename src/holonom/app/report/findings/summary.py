@@ -13,6 +13,7 @@ from holonom.app.report.findings.facts import FieldFacts
 from holonom.app.report.findings.peaks import peaks_of
 from holonom.app.report.findings.tracking import compared, tracking_table
 from holonom.app.report.source import BARE, RobotSource, Source
+from holonom.model.joint_kinds import kind_of
 
 __all__ = ["arm_summary", "base_summary", "placed_parts", "summary_of"]
 
@@ -112,13 +113,13 @@ def _joints(robot: RobotSource) -> dict[str, dict[str, float | None]]:
     peaks, facts = peaks_of(robot), robot.facts
     table: dict[str, dict[str, float | None]] = {}
     for k, (joint, kind) in enumerate(zip(facts.joints, facts.kinds, strict=True)):
-        units = SLIDES if kind == "prismatic" else TURNS
+        units = TURNS if kind_of(kind).turns else SLIDES
         row: dict[str, float | None] = {}
         for name, unit in units.items():
             limit = facts.limits.get(name)
             row[f"peak_{name}_{unit}"] = _number(float(peaks[name][k]))
             row[f"{name}_limit_{unit}"] = None if limit is None else limit[k]
-        length = "m" if kind == "prismatic" else "rad"
+        length = kind_of(kind).unit
         row[f"peak_error_{length}"] = _number(float(peaks["error"][k]))
         row[f"rms_error_{length}"] = _number(float(peaks["rms_error"][k]))
         table[joint] = row

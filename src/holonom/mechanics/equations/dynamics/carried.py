@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from holonom.mechanics.equations.dynamics.inertia import Inertial, merged, moved
+from holonom.mechanics.equations.freedoms import FREEDOMS
 from holonom.mechanics.equations.kinematics import joint_motion, split, spread
 from holonom.mechanics.equations.vectors import (
     Matrix,
@@ -111,7 +112,7 @@ def chain(model: ArmModel, q: Vector, qd: Vector) -> Chain:
         motion = joint_motion(joint, values[i])
         R, point = compose(on, split(joint.before)) if i else split(IDENTITY)
         z = columns(R)[2]
-        axes.append(Twist(z, cross(point, z)) if joint.kind == "revolute" else Twist(STILL.w, z))
+        axes.append(Twist(*FREEDOMS[joint.kind].twist(z, point)))
         frames.append(compose(on, (motion.R, motion.p)) if i else split(joint.after))
     return in_motion(model, frames, axes, up, rates)
 

@@ -11,22 +11,22 @@ from dataclasses import dataclass
 from typing import Any
 
 from holonom.mechanics.equations import kinematics
-from holonom.mechanics.equations.dynamics import composite_body
 from holonom.mechanics.equations.dynamics.forward_dynamics import forward_dynamics
 from holonom.mechanics.equations.dynamics.inertia import Inertial, merged, point_mass
 from holonom.mechanics.equations.dynamics.newton_euler import coulomb_torque, inverse_dynamics
 from holonom.mechanics.equations.vectors import Vector, add, matvec, scale, sub, tvec
 from holonom.model import ArmModel
-from holonom.trace import Kernel, Number, compile
+from holonom.trace import Number
 
 __all__ = [
     "LAWS",
     "LawEquation",
+    "breakaway",
     "closed_loop",
-    "closed_loop_kernel",
     "parameter_fields",
-    "stiction_kernel",
+    "parts_of",
     "varied_bodies",
+    "width_of",
 ]
 
 
@@ -124,45 +124,20 @@ def closed_loop(
     return forward_dynamics(model, varied_bodies(model, bodies, part), q, qd, drive, wrench_tool=wrench), tau
 
 
-def closed_loop_kernel(model: ArmModel, bodies: Sequence[Inertial], options: Mapping[str, Any]) -> Kernel:
-    """Compile `closed_loop`: inputs q, qd, slip (n), reference, parameters; outputs qdd, tau (n).
-
-    Options: law (a name in `LAWS`), varied (among "payload", "masses", "friction"), friction, wrench_frame.
-    """
-    n, fields = len(model.independent), parameter_fields(model, options)
-
-    def equation(
-        q: Vector, qd: Vector, slip: Vector, reference: Vector, parameters: Vector
-    ) -> tuple[list[Number], list[Number]]:
-        return closed_loop(model, bodies, options, (q, qd), reference, _parts(fields, parameters), slip)
-
-    inputs = {"q": n, "qd": n, "slip": n, "reference": LAWS[options["law"]].reference * n, "parameters": _width(fields)}
-    return compile(equation, inputs, {"qdd": n, "tau": n}, name=f"{model.name}_closed_loop_{options['law']}")
+def breakaway(model: ArmModel, qd: Vector, part: Mapping[str, Vector]) -> list[Number]:
+    """Coulomb torques at the speeds qd against motion in the positive direction, then in the negative one (2 n)."""
+    factors = part.get("friction", [1.0] * len(model.joints))
+    forward, backward = (_coulomb(model, qd, [way] * len(qd), factors) for way in (1.0, -1.0))
+    return [*forward, *(-1.0 * f for f in backward)]
 
 
-def stiction_kernel(model: ArmModel, bodies: Sequence[Inertial], options: Mapping[str, Any]) -> Kernel:
-    """Compile what decides whether joints stick: q, qd (n), parameters -> B (n, n), breakaway (2 n) of the plant.
-
-    The latter: Coulomb torques at the speeds qd against motion in the positive direction, then in the negative one.
-    """
-    n, fields = len(model.independent), parameter_fields(model, options)
-
-    def equation(q: Vector, qd: Vector, parameters: Vector) -> list[list[Number]]:
-        part = _parts(fields, parameters)
-        factors = part.get("friction", [1.0] * len(model.joints))
-        B = composite_body.mass_matrix(model, varied_bodies(model, bodies, part), q)
-        forward, backward = (_coulomb(model, qd, [way] * n, factors) for way in (1.0, -1.0))
-        return [[v for row in B for v in row], [*forward, *(-1.0 * f for f in backward)]]
-
-    inputs = {"q": n, "qd": n, "parameters": _width(fields)}
-    return compile(equation, inputs, {"B": (n, n), "breakaway": 2 * n}, name=f"{model.name}_stiction")
-
-
-def _width(fields: Mapping[str, int]) -> int:
+def width_of(fields: Mapping[str, int]) -> int:
+    """Count of all parameters, at least one."""
     return max(sum(fields.values()), 1)
 
 
-def _parts(fields: Mapping[str, int], parameters: Vector) -> dict[str, Vector]:
+def parts_of(fields: Mapping[str, int], parameters: Vector) -> dict[str, Vector]:
+    """The parameters by their names."""
     part, first = {}, 0
     for name, count in fields.items():
         part[name], first = parameters[first : first + count], first + count

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from holonom.mechanics.equations.dynamics.carried import Carried, Chain, carried, chain, inert, of_bodies, power
 from holonom.mechanics.equations.dynamics.inertia import Inertial, merged, moved
 from holonom.mechanics.equations.dynamics.rotors import reflected_inertia, rotor_coupling
+from holonom.mechanics.equations.freedoms import FREEDOMS, Freedom
 from holonom.mechanics.equations.kinematics import JointMotion, gather, joint_motion, spread
 from holonom.mechanics.equations.vectors import Vector, add, cross, dot, matvec, scale, transpose
 from holonom.model import ArmModel
@@ -61,12 +62,12 @@ def _in_link_frames(model: ArmModel, bodies: Sequence[Inertial], motions: Sequen
     B: list[list[Number]] = [[0.0] * n for _ in range(n)]
     composite = list(bodies)
     for i in reversed(range(n)):
-        f, m = _unit_wrench(model.joints[i].kind, motions[i], composite[i])
+        f, m = _unit_wrench(FREEDOMS[model.joints[i].kind], motions[i], composite[i])
         j = i
         while j >= 0:
             here = motions[j]
             at_joint = add(m, cross(add(here.p_after, here.slide), f))
-            B[i][j] = B[j][i] = dot(here.z_child, at_joint if model.joints[j].kind == "revolute" else f)
+            B[i][j] = B[j][i] = dot(here.z_child, FREEDOMS[model.joints[j].kind].force(f, at_joint))
             f = matvec(here.R, f)
             m = add(matvec(here.R, at_joint), cross(here.p_before, f))
             j = model.parent(j)
@@ -75,15 +76,12 @@ def _in_link_frames(model: ArmModel, bodies: Sequence[Inertial], motions: Sequen
     return B
 
 
-def _unit_wrench(kind: str, motion: JointMotion, body: Inertial) -> tuple[list[Number], list[Number]]:
+def _unit_wrench(freedom: Freedom, motion: JointMotion, body: Inertial) -> tuple[list[Number], list[Number]]:
     """Force and moment about the frame's origin that a unit acceleration of the joint takes for all that it carries."""
-    if kind == "prismatic":
-        return scale(body.m, motion.z_child), cross(body.h, motion.z_child)
-    spin = motion.z_child
-    a = cross(spin, motion.p_after)
+    w, v = freedom.twist(motion.z_child, scale(-1.0, motion.p_after))
     return (
-        add(scale(body.m, a), cross(spin, body.h)),
-        add(matvec(body.rotational(), spin), cross(body.h, a)),
+        add(scale(body.m, v), cross(w, body.h)),
+        add(matvec(body.rotational(), w), cross(body.h, v)),
     )
 
 

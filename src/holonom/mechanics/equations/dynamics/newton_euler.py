@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from holonom.mechanics.equations.dynamics.inertia import Inertial
 from holonom.mechanics.equations.dynamics.rotors import reflected_inertia, rotor_reaction, spin_axis
+from holonom.mechanics.equations.freedoms import FREEDOMS, Freedom
 from holonom.mechanics.equations.kinematics import JointMotion, gather, joint_motion, split, spread
 from holonom.mechanics.equations.vectors import Vector, add, cross, dot, matmul, matvec, scale, tvec
 from holonom.model import ArmModel, Friction
@@ -96,7 +97,8 @@ def inverse_dynamics(
     states = [_base(model, model.gravity if gravity is None else gravity)]
     rates, accelerations = spread(model, qd, rates=True), spread(model, qdd, rates=True)
     for i, motion in enumerate(motions):
-        states.append(_outward(model.joints[i].kind, motion, states[model.parent(i) + 1], rates[i], accelerations[i]))
+        freedom, carrier = FREEDOMS[model.joints[i].kind], states[model.parent(i) + 1]
+        states.append(_outward(freedom, motion, carrier, rates[i], accelerations[i]))
     loads = [_wrench_of_motion(body, s.a, s.U) for body, s in zip(bodies, states[1:], strict=True)]
     if wrench_tool is not None:
         loads[model.tool_joint] = _sum(loads[model.tool_joint], _tool_load(model, wrench_tool))
@@ -111,7 +113,7 @@ def inverse_dynamics(
     for i in reversed(range(len(motions))):
         motion, (f, n) = motions[i], loads[i]
         at_joint = add(n, cross(add(motion.p_after, motion.slide), f))
-        torque[i] = torque[i] + dot(motion.z_child, at_joint if model.joints[i].kind == "revolute" else f)
+        torque[i] = torque[i] + dot(motion.z_child, FREEDOMS[model.joints[i].kind].force(f, at_joint))
         f_parent = matvec(motion.R, f)
         if (parent := model.parent(i)) >= 0:
             inward = (f_parent, add(matvec(motion.R, at_joint), cross(motion.p_before, f_parent)))
@@ -136,19 +138,15 @@ def _base(model: ArmModel, gravity: Vector) -> _Motion:
     return _Motion(still, still, tvec(R_w0, scale(-1.0, gravity)), [still] * 3)
 
 
-def _outward(kind: str, motion: JointMotion, parent: _Motion, qd: Number, qdd: Number) -> _Motion:
+def _outward(freedom: Freedom, motion: JointMotion, parent: _Motion, qd: Number, qdd: Number) -> _Motion:
     """Motion of a joint's frame from that of its parent."""
     R, z = motion.R, motion.z_child
     a = tvec(R, add(parent.a, matvec(parent.U, motion.p_before)))
     w, wd = tvec(R, parent.w), tvec(R, parent.wd)
-    if kind == "revolute":
-        wd = add(add(wd, scale(qdd, z)), cross(w, scale(qd, z)))
-        w = add(w, scale(qd, z))
-        U = _spin(w, wd)
-        return _Motion(w, wd, add(a, matvec(U, motion.p_after)), U)
+    (turning, rate), drift = freedom.spin(z, qd, qdd, w), freedom.drift(z, qd, qdd, w)
+    w, wd = add(w, turning), add(wd, rate)
     U = _spin(w, wd)
-    a = add(a, matvec(U, add(motion.p_after, motion.slide)))
-    return _Motion(w, wd, add(a, add(scale(qdd, z), scale(2.0, cross(w, scale(qd, z))))), U)
+    return _Motion(w, wd, add(add(a, matvec(U, add(motion.p_after, motion.slide))), drift), U)
 
 
 def _sum(a: _Wrench, b: _Wrench) -> _Wrench:

@@ -61,7 +61,7 @@ def rotor_coupling(model: ArmModel, motions: Sequence[JointMotion], i: int) -> I
     moment = spin_axis(model, i)
     j = model.parent(i)
     while moment is not None and j >= 0:
-        if model.joints[j].kind == "revolute":
+        if model.joints[j].turns:
             yield j, dot(motions[j].z_child, moment)
         moment = matvec(motions[j].R, moment)
         j = model.parent(j)

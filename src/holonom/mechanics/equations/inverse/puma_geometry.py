@@ -28,7 +28,7 @@ class PumaGeometry(NamedTuple):
 
 def puma_geometry(model: ArmModel) -> PumaGeometry | None:
     """Return the lengths if the arm is built like a Puma, else None."""
-    if len(model.joints) != 6 or any(j.kind != "revolute" for j in model.joints):
+    if len(model.joints) != 6 or not all(j.turns for j in model.joints):
         return None
     after = np.array([j.after for j in model.joints])
     before = np.array([j.before for j in model.joints])
