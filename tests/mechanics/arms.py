@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from holonom.mechanics import Arm, load_arm
 from holonom.model import ArmModel, Body, DHRow, JointLimits, Mimic, arm_model_from_dh, constant_transform, preset_names
+from holonom.model.compound import joints_of
 
 
 def random_pose(rng: np.random.Generator) -> np.ndarray:
@@ -56,14 +57,25 @@ def random_model(seed: int, n: int) -> ArmModel:
 
 
 def random_tree(seed: int, n: int) -> ArmModel:
-    """A random chain regrown into branches, one of its joints following another, the tool on a branch."""
+    """A random chain regrown into branches: one joint follows another, one is planar, the tool is on a branch.
+
+    Fixed joints are in the bodies and in the poses between joints.
+    """
     import dataclasses
 
     rng = np.random.default_rng(seed)
     chain = random_model(seed, n)
     joints = [dataclasses.replace(joint, parent=int(rng.integers(-1, i))) for i, joint in enumerate(chain.joints)]
     joints[-2] = dataclasses.replace(joints[-2], mimic=Mimic(0, -0.7, 0.3))
-    return dataclasses.replace(chain, name=f"tree{seed}", joints=tuple(joints), tip=n - 2)
+    weightless = Body(0.0, (0.0, 0.0, 0.0), (0.0,) * 6)
+    table = joints_of("table", "planar", random_pose(rng), random_pose(rng), number=n, parent=int(rng.integers(n)))
+    return dataclasses.replace(
+        chain,
+        name=f"tree{seed}",
+        joints=(*joints, *table),
+        bodies=(*chain.bodies, weightless, weightless, random_body(rng)),
+        tip=n - 2,
+    )
 
 
 def presets() -> list[Arm]:

@@ -87,7 +87,7 @@ def test_multipliers_solve_the_damped_normal_equations():
 def test_a_step_leaves_blocked_joints_out():
     from holonom.mechanics.loops.solver import damped_step, scratch
 
-    rng, room = np.random.default_rng(2), scratch(7)
+    rng, room = np.random.default_rng(2), scratch(7, 6)
     J, x, free = rng.normal(size=(6, 7)), rng.normal(size=6), np.array([1.0, 0, 1, 1, 0, 1, 1])
     state = np.concatenate([np.zeros(7), J.T.ravel(), (J @ J.T)[np.tril_indices(6)]])
     room.normal[21:27] = x

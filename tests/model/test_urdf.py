@@ -219,8 +219,7 @@ BAD = {
     "carries itself": (robot(*ARM, joint("k", "b", "b")), 5, "closed chain"),
     "type": (robot(*ARM[:2], joint("j", "a", "b", LIMIT, "revolut")), 4, "did you mean 'revolute'"),
     "no type": (robot(*ARM[:2], '<joint name="j"/>'), 4, "<joint> needs type="),
-    "floating": (robot(*ARM[:2], joint("j", "a", "b", "", "floating")), 4, "joint 'j' is floating; .*Make it fixed"),
-    "planar": (robot(*ARM[:2], joint("j", "a", "b", "", "planar")), 4, "joint 'j' is planar"),
+    "only floating": (robot(*ARM[:2], joint("j", "a", "b", "", "floating")), 1, "no joint below link 'a' moves"),
     "no limits": (robot(*ARM[:2], joint("j", "a", "b", "")), 4, "no position limits.*continuous"),
     "no slide limits": (robot(*ARM[:2], joint("j", "a", "b", "", "prismatic")), 4, "prismatic and states no position"),
     "no position": (

@@ -11,6 +11,7 @@ from holonom.mechanics.equations.dynamics import composite_body, forward_dynamic
 from holonom.mechanics.equations.vectors import Pose, Vector, matvec, transpose, tvec
 from holonom.mechanics.kernels import closed_loop, dynamics, jacobian, pose
 from holonom.mechanics.kernels.closed_form import FAMILIES, closed_form
+from holonom.mechanics.kernels.floating import FLOATING
 from holonom.mechanics.kernels.ik_result import IkResult
 from holonom.mechanics.kernels.inverse_geometry import inverse_kernel
 from holonom.mechanics.kernels.placement import Here, bodies_of, compile_here
@@ -145,6 +146,7 @@ KERNELS: Mapping[str, Builder] = {
     "regressor": regressor_kernel,
     "inverse_geometry": _inverse_geometry,
     **dynamics.DYNAMICS,
+    **FLOATING,
     **jacobian.JACOBIANS,
     **SINGULARITIES,
     "pose_task": pose.task,
@@ -156,6 +158,8 @@ OPTIONS: Mapping[str, Options] = {
     "fk": {"frame": "tool"},
     **{name: {"frame": "world"} for name in ("jacobian", "joint_torques", *jacobian.FRAMED)},
     "analytic_jacobian": {"angles": None},
+    "floating_inverse": {"friction": None},
+    "floating_forward": {"friction": None},
     "manipulability": {"part": "all"},
     "inverse_dynamics": _LOADED,
     "forward_dynamics": _LOADED,

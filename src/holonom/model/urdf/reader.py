@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -91,7 +91,8 @@ def arm_model_from_urdf(
     moving = [joint for joint in ordered if joint.moves]
     if not moving:
         raise fault(robot, f"no joint below link {root!r} moves; an arm needs a revolute or prismatic joint")
-    places = _places(ordered, floats.child if floats else root)
+    root = floats.child if floats else root
+    places = _places(ordered, root)
     check_inertias(links.values(), {name for name, place in places.items() if place.joint >= 0}, check_inertia)
     tool = places[_tip(tip, ordered, root, links, places)]
     made = _joints(moving, places, read_motors(robot, joints))
@@ -102,6 +103,7 @@ def arm_model_from_urdf(
         bodies,
         base_body=base_body,
         floating=floats is not None,
+        base=constant_transform(np.eye(4) if floats is None else _rest(floats, joints.values())),
         tip=tool.joint,
         tool=constant_transform(tool.pose),
         frames=tuple(Frame(name, place.joint, constant_transform(place.pose)) for name, place in places.items()),
@@ -165,6 +167,15 @@ def _below_floating(ordered: Sequence[UrdfJoint]) -> tuple[Sequence[UrdfJoint], 
                 "robot may float, and all else must hang on it. Read the parts with root=",
             )
     return kept, first
+
+
+def _rest(floating: UrdfJoint, joints: Iterable[UrdfJoint]) -> Array:
+    """Where a floating joint's child is while nothing has moved: it hangs on fixed joints only."""
+    carrier = {joint.child: joint for joint in joints}
+    T, link = floating.pose, floating.parent
+    while link in carrier:
+        T, link = carrier[link].pose @ T, carrier[link].parent
+    return T
 
 
 def _joints(moving: Sequence[UrdfJoint], places: dict[str, _Place], motors: dict[str, Motor]) -> tuple[Joint, ...]:

@@ -13,7 +13,7 @@ from holonom.mechanics.equations.vectors import Vector, add, cross, dot, matvec,
 from holonom.model import ArmModel
 from holonom.trace import Number
 
-__all__ = ["independent", "joint_inertia", "mass_matrix", "with_rotors"]
+__all__ = ["floating_mass_matrix", "independent", "joint_inertia", "mass_matrix", "with_rotors"]
 
 MANY = 12
 """Joints from which on one common frame takes fewer operations."""
@@ -26,11 +26,32 @@ def mass_matrix(model: ArmModel, bodies: Sequence[Inertial], q: Vector) -> list[
     """
     motions = [joint_motion(joint, q_i) for joint, q_i in zip(model.joints, spread(model, q), strict=True)]
     many = len(motions) >= MANY
-    B = _in_one_frame(model, bodies, q) if many else _in_link_frames(model, bodies, motions)
+    B = _in_one_frame(model, bodies, q) if many else _in_link_frames(model, bodies, motions)[0]
     for i in range(len(motions)):
         for j, coupling in rotor_coupling(model, motions, i):
             B[i][j] = B[j][i] = B[i][j] + coupling
     return independent(model, with_rotors(model, B))
+
+
+def floating_mass_matrix(
+    model: ArmModel, bodies: Sequence[Inertial], base_body: Inertial, q: Vector
+) -> list[list[Number]]:
+    """Inertia (6 + n, 6 + n) over the base's twist [v; w], in its frame, and the joints (Featherstone 2008, 9.4)."""
+    motions = [joint_motion(joint, q_i) for joint, q_i in zip(model.joints, spread(model, q), strict=True)]
+    B, columns, carried = _in_link_frames(model, bodies, motions)
+    whole = merged(carried, base_body)
+    coupling = transpose([gather(model, row) for row in transpose(columns)])
+    own = independent(model, with_rotors(model, B))
+    top = [[*row, *(c[k] for c in coupling)] for k, row in enumerate(_spatial(whole))]
+    return top + [[*c, *row] for c, row in zip(coupling, own, strict=True)]
+
+
+def _spatial(body: Inertial) -> list[list[Number]]:
+    """The inertia (6, 6) that takes [v; w] to force and moment."""
+    m, h, turning = body.m, body.h, body.rotational()
+    H: list[list[Number]] = [[0.0, -h[2], h[1]], [h[2], 0.0, -h[0]], [-h[1], h[0], 0.0]]
+    top = [[*(m if i == j else 0.0 for j in range(3)), *(-1.0 * x for x in H[i])] for i in range(3)]
+    return top + [[*H[i], *turning[i]] for i in range(3)]
 
 
 def with_rotors(model: ArmModel, B: list[list[Number]]) -> list[list[Number]]:
@@ -57,8 +78,13 @@ def joint_inertia(c: Chain, sums: Sequence[Carried]) -> list[list[Number]]:
     return B
 
 
-def _in_link_frames(model: ArmModel, bodies: Sequence[Inertial], motions: Sequence[JointMotion]) -> list[list[Number]]:
+def _in_link_frames(
+    model: ArmModel, bodies: Sequence[Inertial], motions: Sequence[JointMotion]
+) -> tuple[list[list[Number]], list[list[Number]], Inertial]:
+    """Inertia over all joints; force and moment on the base (6) for each joint's acceleration; all that it carries."""
     n = len(motions)
+    on_base: list[list[Number]] = [[] for _ in range(n)]
+    whole = Inertial(0.0, [0.0] * 3, [[0.0] * 3 for _ in range(3)])
     B: list[list[Number]] = [[0.0] * n for _ in range(n)]
     composite = list(bodies)
     for i in reversed(range(n)):
@@ -71,9 +97,13 @@ def _in_link_frames(model: ArmModel, bodies: Sequence[Inertial], motions: Sequen
             f = matvec(here.R, f)
             m = add(matvec(here.R, at_joint), cross(here.p_before, f))
             j = model.parent(j)
+        on_base[i] = [*f, *m]
+        inward = moved(composite[i], motions[i].R, motions[i].p)
         if (parent := model.parent(i)) >= 0:
-            composite[parent] = merged(composite[parent], moved(composite[i], motions[i].R, motions[i].p))
-    return B
+            composite[parent] = merged(composite[parent], inward)
+        else:
+            whole = merged(whole, inward)
+    return B, on_base, whole
 
 
 def _unit_wrench(freedom: Freedom, motion: JointMotion, body: Inertial) -> tuple[list[Number], list[Number]]:

@@ -16,7 +16,7 @@ from holonom.trace import Number, less, select
 _Wrench = tuple[list[Number], list[Number]]
 """Force and moment."""
 
-__all__ = ["coulomb_torque", "friction_slope", "friction_torque", "inverse_dynamics"]
+__all__ = ["coulomb_torque", "friction_slope", "friction_torque", "inverse_dynamics", "on_moving_base"]
 
 
 def friction_torque(friction: Friction | None, qd: Number) -> Number:
@@ -93,8 +93,44 @@ def inverse_dynamics(
 
     `wrench_tool` [f; m] is what the arm exerts on its environment at the tool point, in the tool frame.
     """
+    base = _base(model, model.gravity if gravity is None else gravity)
+    return _forces(model, bodies, (q, qd, qdd), base, friction, wrench_tool)[0]
+
+
+def on_moving_base(
+    model: ArmModel,
+    bodies: Sequence[Inertial],
+    base_body: Inertial,
+    motion: tuple[Vector, Vector, Vector],
+    twist: Vector,
+    acceleration: Vector,
+    *,
+    friction: bool = False,
+) -> tuple[list[Number], list[Number]]:
+    """Force and moment (6) that the base needs from outside, and joint torques, for a motion (q, qd, qdd) on it.
+
+    `twist` [v; w] of the base and its rate, in the base's frame; gravity is to be taken off the linear rate.
+    """
+    v, w = twist[:3], twist[3:]
+    wd, a = acceleration[3:], add(acceleration[:3], cross(w, v))
+    state = _Motion(w, wd, a, _spin(w, wd))
+    torque, (f, m) = _forces(model, bodies, motion, state, friction, None)
+    own_f, own_m = _wrench_of_motion(base_body, state.a, state.U)
+    return [*add(f, own_f), *add(m, own_m)], torque
+
+
+def _forces(
+    model: ArmModel,
+    bodies: Sequence[Inertial],
+    motion_of_joints: tuple[Vector, Vector, Vector],
+    base: _Motion,
+    friction: bool,
+    wrench_tool: Vector | None,
+) -> tuple[list[Number], _Wrench]:
+    """Joint torques, and what the arm presses its base with: force and moment about its origin, in its frame."""
+    q, qd, qdd = motion_of_joints
     motions = [joint_motion(j, q_i) for j, q_i in zip(model.joints, spread(model, q), strict=True)]
-    states = [_base(model, model.gravity if gravity is None else gravity)]
+    states = [base]
     rates, accelerations = spread(model, qd, rates=True), spread(model, qdd, rates=True)
     for i, motion in enumerate(motions):
         freedom, carrier = FREEDOMS[model.joints[i].kind], states[model.parent(i) + 1]
@@ -110,17 +146,20 @@ def inverse_dynamics(
             moment, torque_i = rotor_reaction(spin, rates[i], accelerations[i], states[p + 1].w, states[p + 1].wd)
             torque[i] = torque[i] + torque_i
             loads[p] = _sum(loads[p], ([0.0, 0.0, 0.0], moment))
+    pressed: _Wrench = ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0])
     for i in reversed(range(len(motions))):
         motion, (f, n) = motions[i], loads[i]
         at_joint = add(n, cross(add(motion.p_after, motion.slide), f))
         torque[i] = torque[i] + dot(motion.z_child, FREEDOMS[model.joints[i].kind].force(f, at_joint))
         f_parent = matvec(motion.R, f)
+        inward = (f_parent, add(matvec(motion.R, at_joint), cross(motion.p_before, f_parent)))
         if (parent := model.parent(i)) >= 0:
-            inward = (f_parent, add(matvec(motion.R, at_joint), cross(motion.p_before, f_parent)))
             loads[parent] = _sum(loads[parent], inward)
+        else:
+            pressed = _sum(pressed, inward)
     if friction:
         torque = [t + friction_torque(j.friction, u) for t, j, u in zip(torque, model.joints, rates, strict=True)]
-    return gather(model, torque)
+    return gather(model, torque), pressed
 
 
 class _Motion(NamedTuple):

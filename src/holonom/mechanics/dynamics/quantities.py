@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import Array
 from holonom.mechanics.arm.arm import Arm
-from holonom.mechanics.equations.dynamics.inertia import fixed_to_body
 from holonom.mechanics.kernels.placement import bodies_of
 from holonom.mechanics.kernels.results import (
     CouplingTable,
@@ -145,15 +144,13 @@ def with_payload(arm: Arm, payload: Body) -> Arm:
         The arm states no inertias of its own.
     """
     bodies_of(arm.model)
-    bodies = list(arm.model.bodies or ())
     tool = np.array(arm.model.tool)
-    R, joint = tool[:3, :3], arm.model.tool_joint
+    R = tool[:3, :3]
     xx, yy, zz, xy, yz, xz = payload.inertia
     turned = R @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ R.T
     x, y, z = (R @ payload.com + tool[:3, 3]).tolist()
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = turned.tolist()
-    bodies[joint] = fixed_to_body(bodies[joint], Body(payload.mass, (x, y, z), (xx, yy, zz, xy, yz, xz)))
-    return Arm(dataclasses.replace(arm.model, bodies=tuple(bodies)))
+    return arm.with_load(Body(payload.mass, (x, y, z), (xx, yy, zz, xy, yz, xz)))
 
 
 def with_rotors(arm: Arm, rotors: Rotors) -> Arm:
