@@ -10,8 +10,8 @@ from arms import random_pose
 
 from holonom.mechanics import Arm, arm_from_dh
 from holonom.mechanics.equations import kinematics
-from holonom.mechanics.kernels.closed_form import ClosedForm, closed_form
-from holonom.mechanics.kernels.inverse_geometry import inverse_geometry
+from holonom.mechanics.kernels.inverse.closed_form import ClosedForm, closed_form
+from holonom.mechanics.kernels.inverse.geometry import inverse_geometry
 from holonom.model import ArmModel, DHRow, Joint, JointLimits, arm_model_from_dh, constant_transform
 
 ANY = None

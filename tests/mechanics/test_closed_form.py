@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from holonom.errors import InputError, NotAPose, ShapeError
 from holonom.mechanics import Arm, IkCase, IkStatus, arm_from_dh, load_arm
 from holonom.mechanics.equations.inverse.general_arm import quartic_roots
-from holonom.mechanics.kernels.closed_form import closed_form
+from holonom.mechanics.kernels.inverse.closed_form import closed_form
 from holonom.model import DHRow, JointLimits, constant_transform
 
 CLOSED = [arm for arm in presets() if arm.closed_form is not None]

@@ -20,7 +20,7 @@ from holonom.arrays import Array
 from holonom.errors import InputError, ShapeError
 from holonom.mechanics.arm.arm import Arm, IkResult, IkStatus
 from holonom.mechanics.arm.nearest import joint_vectors
-from holonom.mechanics.kernels.inverse_geometry import LIMIT_TOLERANCE, REACHED, pose_error
+from holonom.mechanics.kernels.inverse.geometry import LIMIT_TOLERANCE, REACHED, pose_error
 
 __all__ = ["BranchPath", "feasible_branches", "follow"]
 

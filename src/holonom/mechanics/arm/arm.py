@@ -16,10 +16,10 @@ from holonom.errors import InputError, ShapeError
 from holonom.mechanics.arm.placement import NO_LOAD, Placement
 from holonom.mechanics.arm.targets import check_lost, points
 from holonom.mechanics.equations.dynamics.inertia import Inertial, fixed_to_body, from_body, merged
-from holonom.mechanics.kernels import inverse_geometry
-from holonom.mechanics.kernels.closed_form import FAMILIES, ClosedForm, closed_form
-from holonom.mechanics.kernels.ik_result import IkCase, IkNearest, IkResult, IkStatus
-from holonom.mechanics.kernels.inverse_geometry import UNREACHABLE
+from holonom.mechanics.kernels.inverse import geometry as inverse_geometry
+from holonom.mechanics.kernels.inverse.closed_form import FAMILIES, ClosedForm, closed_form
+from holonom.mechanics.kernels.inverse.geometry import UNREACHABLE
+from holonom.mechanics.kernels.inverse.result import IkCase, IkNearest, IkResult, IkStatus
 from holonom.mechanics.kernels.protocol import Limits
 from holonom.mechanics.kernels.table import OPTIONS, Calls, make_kernel, named
 from holonom.model import ArmModel, Body, Joint, constant_transform

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.arrays import Array, real_array, vectors
 from holonom.errors import NotAPose, ShapeError
-from holonom.mechanics.kernels.ik_result import IkNearest, IkStatus
+from holonom.mechanics.kernels.inverse.result import IkNearest, IkStatus
 from holonom.mechanics.kernels.protocol import SolvedArm
 from holonom.mechanics.loops.nearest import nearest_of_rows, nearest_point, nearest_pose
 from holonom.spatial import check_pose

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.arrays import Array, real_array
 from holonom.errors import NotAPose
-from holonom.mechanics.kernels.inverse_geometry import UNREACHABLE
+from holonom.mechanics.kernels.inverse.geometry import UNREACHABLE
 from holonom.spatial import check_pose
 
 __all__ = ["check_lost", "points"]

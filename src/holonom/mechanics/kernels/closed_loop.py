@@ -28,7 +28,9 @@ Options = Mapping[str, Any]
 
 def fields_of(model: ArmModel, options: Options) -> dict[str, int]:
     """Names and widths of all parameters; where the arm stands comes last, each as `at_base` and so on."""
-    return parameter_fields(model, options) | {f"at_{name}": math.prod(GIVEN[name]) for name in options.get("given", ())}
+    return parameter_fields(model, options) | {
+        f"at_{name}": math.prod(GIVEN[name]) for name in options.get("given", ())
+    }
 
 
 def _here(model: ArmModel, options: Options, part: Mapping[str, Vector]) -> Here:

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 from numpy.typing import ArrayLike
 
 from holonom.arrays import Array
-from holonom.mechanics.kernels.closed_form import ClosedForm
+from holonom.mechanics.kernels.inverse.closed_form import ClosedForm
 from holonom.model import ArmModel
 from holonom.trace import Kernel
 

@@ -10,7 +10,7 @@ from holonom.mechanics.equations import kinematics
 from holonom.mechanics.equations.inverse.puma_geometry import puma_geometry
 from holonom.mechanics.equations.singularities import parallel_measures, puma_measures, volume
 from holonom.mechanics.equations.vectors import Vector, transpose
-from holonom.mechanics.kernels.closed_form import closed_form
+from holonom.mechanics.kernels.inverse.closed_form import closed_form
 from holonom.mechanics.kernels.placement import Here, compile_here
 from holonom.model import ArmModel
 from holonom.trace import Kernel, Number

@@ -10,10 +10,10 @@ from holonom.mechanics.equations import kinematics
 from holonom.mechanics.equations.dynamics import composite_body, forward_dynamics, newton_euler
 from holonom.mechanics.equations.vectors import Pose, Vector, matvec, transpose, tvec
 from holonom.mechanics.kernels import closed_loop, dynamics, jacobian, pose
-from holonom.mechanics.kernels.closed_form import FAMILIES, closed_form
 from holonom.mechanics.kernels.floating import FLOATING
-from holonom.mechanics.kernels.ik_result import IkResult
-from holonom.mechanics.kernels.inverse_geometry import inverse_kernel
+from holonom.mechanics.kernels.inverse.closed_form import FAMILIES, closed_form
+from holonom.mechanics.kernels.inverse.geometry import inverse_kernel
+from holonom.mechanics.kernels.inverse.result import IkResult
 from holonom.mechanics.kernels.placement import Here, bodies_of, compile_here
 from holonom.mechanics.kernels.regressor import regressor_kernel
 from holonom.mechanics.kernels.singularities import SINGULARITIES

@@ -11,7 +11,7 @@ from numba import float64, int8, int64, void
 from numpy.typing import NDArray
 
 from holonom.arrays import Array
-from holonom.mechanics.kernels.inverse_geometry import LIMIT, UNREACHABLE
+from holonom.mechanics.kernels.inverse.geometry import LIMIT, UNREACHABLE
 from holonom.trace.call.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.call.pointer import call_kernel
 from holonom.trace.call.results import Results, entry, exists, made_like, nothing

@@ -44,7 +44,7 @@ from holonom.mechanics.equations.inverse.regional import (
 from holonom.mechanics.equations.inverse.spherical_wrist import spherical_wrist
 from holonom.mechanics.equations.inverse.subproblems import Branch, Screw, mirrored, opposite
 from holonom.mechanics.equations.vectors import Pose, Vector, scale, transpose, tvec
-from holonom.mechanics.kernels.screws import ALIKE, ScrewChain, common_point, parallel, screw_chain
+from holonom.mechanics.kernels.inverse.screws import ALIKE, ScrewChain, common_point, parallel, screw_chain
 from holonom.model import ArmModel
 
 __all__ = ["FAMILIES", "REGIONS", "ClosedForm", "closed_form"]

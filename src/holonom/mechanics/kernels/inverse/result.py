@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.arrays import Array
-from holonom.mechanics.kernels import inverse_geometry
+from holonom.mechanics.kernels.inverse import geometry as inverse_geometry
 
 __all__ = ["IkCase", "IkNearest", "IkResult", "IkStatus"]
 

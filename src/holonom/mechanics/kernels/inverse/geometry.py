@@ -13,7 +13,7 @@ from holonom.arrays import Array
 from holonom.mechanics.equations import kinematics
 from holonom.mechanics.equations.inverse.subproblems import Branch, Truth, Turn
 from holonom.mechanics.equations.vectors import Matrix, Pose, Vector, compose, dot, matmul, matvec, sub, transpose
-from holonom.mechanics.kernels.closed_form import ClosedForm
+from holonom.mechanics.kernels.inverse.closed_form import ClosedForm
 from holonom.model import ArmModel, JointLimits
 from holonom.spatial.poses import RIGID
 from holonom.trace import Kernel, Number, absolute, atan2, compile, less, select
