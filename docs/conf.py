@@ -11,7 +11,7 @@ author = "The Holonom developers"
 copyright = "The Holonom developers, Apache-2.0"
 version = release = installed_version("holonom")
 
-extensions = ["myst_parser", "formulas", "layers", "reference"]
+extensions = ["myst_parser", "formulas", "layers", "links", "offline", "reference"]
 myst_enable_extensions = ["amsmath", "colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 3
 exclude_patterns = ["_build", "_ext"]

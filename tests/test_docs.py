@@ -1,9 +1,9 @@
 """Everything that README.md and docs/ show as Python runs and prints what the page says.
 
 On a page, ```python blocks run in order in one namespace, in a temporary folder that sees `examples/`.
-An ```output block states what the blocks since the last one print. A ```toml, ```arps or ```py block whose first line is a
-comment with a file's name is written there; each line `$ holonom ...` of a ```console block is run, and has to end with
-the status 0. Anything that is not to run is ```text.
+An ```output block states what the blocks since the last one print. A ```toml, ```arps or ```py block whose first line
+is a comment with a file's name is written there; each line `$ holonom ...` of a ```console block is run, and has to end
+with the status 0. Anything that is not to run is ```text.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import contextlib
 import io
 import re
 import shlex
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -24,6 +25,7 @@ ROOT = Path(__file__).resolve().parents[1]
 FENCE = re.compile(r"^```(?P<kind>python|output|console|toml|arps|py)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
 FILE = re.compile(r"[#;] ([\w/]+\.\w+)\n")
 RUN = ("```python", "```console")
+_MADE = ("_build", "reference")
 
 
 def blocks(text: str) -> Iterator[tuple[str, int, str]]:
@@ -59,8 +61,8 @@ def run_commands(block: str, place: str) -> None:
 
 
 def pages() -> list[Path]:
-    made = ("_build", "reference")
-    found = [page for page in sorted((ROOT / "docs").rglob("*.md")) if not set(made) & set(page.relative_to(ROOT).parts)]
+    docs = ROOT / "docs"
+    found = [page for page in sorted(docs.rglob("*.md")) if page.relative_to(docs).parts[0] not in _MADE]
     return [page for page in [ROOT / "README.md", *found] if any(fence in page.read_text("utf-8") for fence in RUN)]
 
 
@@ -68,6 +70,7 @@ def pages() -> list[Path]:
 def test_code_on_the_page_runs(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "examples").symlink_to(ROOT / "examples")
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.path", list(sys.path))
     run_page(page.read_text("utf-8"), page.relative_to(ROOT).as_posix())
 
 

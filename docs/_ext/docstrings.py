@@ -29,7 +29,8 @@ def markdown(doc: str) -> str:
     out = [prose(pieces[0])]
     for name, body in zip(pieces[1::2], pieces[2::2], strict=True):
         out.append(f"**{name}**\n")
-        out.append(listed(body) if name in LISTED else prose(textwrap.dedent(body)))
+        hangs = name == "Returns" and re.search(r"^\S.*\n +\S", textwrap.dedent(body).strip("\n"))
+        out.append(listed(body) if name in LISTED or hangs else prose(textwrap.dedent(body)))
     return "\n".join(out).strip() + "\n"
 
 
@@ -43,11 +44,14 @@ def listed(body: str) -> str:
             entries[-1].append(line.strip())
     lines = []
     for head, *more in entries:
-        name, colon, kind = head.partition(" : ")
+        name, _, kind = head.partition(" : ")
         said = " ".join(filter(None, [kind, *more]))
         plain = re.fullmatch(r"[\w, *.]+", name) is not None
-        lines.append(f"- `{name}`{':' if said else ''} {escaped(said)}" if plain else f"- {escaped(head)} {escaped(' '.join(more))}")
-        assert not colon or plain, head
+        lines.append(
+            f"- `{name}`{':' if said else ''} {escaped(said)}"
+            if plain
+            else f"- {escaped(head)} {escaped(' '.join(more))}"
+        )
     return "\n".join(lines) + "\n"
 
 
@@ -58,7 +62,7 @@ def prose(text: str) -> str:
         line = lines.pop(0)
         if RULE.match(line.strip()):
             out.append(_table(line, lines))
-        elif line.lstrip().startswith(">>>"):
+        elif line.lstrip().startswith(">>>") or (lines and lines[0].startswith("├")):
             block = [line]
             while lines and lines[0].strip():
                 block.append(lines.pop(0))
@@ -68,6 +72,11 @@ def prose(text: str) -> str:
             while lines and (lines[0].startswith("    ") or not lines[0].strip()):
                 block.append(lines.pop(0))
             out.append("```text\n" + textwrap.dedent("\n".join(block)).rstrip() + "\n```\n")
+        elif line[:1].strip() and lines and lines[0].startswith("    ") and not line.endswith((",", ":", ";")):
+            out.append(f"\n**{escaped(line)}**")
+            while lines and lines[0].startswith("    "):
+                out.append(escaped(lines.pop(0).strip()))
+            out.append("")
         else:
             bullet = re.match(r"\s*- ", line)
             out.append(bullet[0] + escaped(line[len(bullet[0]) :]) if bullet else escaped(line))

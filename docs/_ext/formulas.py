@@ -1,4 +1,4 @@
-"""Formulas as MathML, made at build: a page needs no script and no network, and what cannot be rendered fails the build.
+"""Formulas as MathML, made at build: no script, no network, and what cannot be rendered fails the build.
 
 latex2mathml takes what it does not know for letters, so its result is looked at: no backslash, brace or `&` may be
 left, and every fraction, root and script has its parts. Then what browsers do not do with old attributes is said in

@@ -21,8 +21,8 @@ def pages() -> dict[str, str]:
     return found | {"commands.md": reference_tables.commands(), "cell.md": reference_tables.cell_keys()}
 
 
-PYTHON = """Every public name, from `__all__`, signature and docstring of each module. Arrays: shape, unit and frame stand at each argument;
-batches lead.
+PYTHON = """Every public name, from `__all__`, signature and docstring of each module. Shape, unit and frame of an array
+stand at each argument; batches lead.
 """
 
 

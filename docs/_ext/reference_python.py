@@ -10,12 +10,14 @@ import inspect
 import re
 from collections.abc import Iterator
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
-from types import ModuleType
-from typing import Any
+from types import ModuleType, UnionType
+from typing import Any, get_args
+
+from docstrings import escaped, markdown, table
 
 import holonom
-from docstrings import escaped, markdown, table
 from holonom.registry import Parameter, Table
 
 IMPORT = re.compile(r"^\s*from (holonom[\w.]*) import ([\w, ]+)", re.M)
@@ -25,8 +27,17 @@ DOCS = Path(__file__).resolve().parents[1]
 @cache
 def public() -> dict[str, tuple[str, ...]]:
     """Return the public names of each public module: what `holonom` lists, recursively, and what the pages import."""
+    return dict(sorted((listed() | _walk(imported_on_pages())).items()))
+
+
+@cache
+def listed() -> dict[str, tuple[str, ...]]:
+    """Return those that can be reached from `holonom`: `hm.mobile.poses`."""
+    return _walk(["holonom", *(f"holonom.{name}" for name in holonom._SUBPACKAGES)])
+
+
+def _walk(waiting: list[str]) -> dict[str, tuple[str, ...]]:
     found: dict[str, tuple[str, ...]] = {}
-    waiting = ["holonom", *(f"holonom.{name}" for name in holonom._SUBPACKAGES), *imported_on_pages()]
     while waiting:
         module = importlib.import_module(waiting.pop(0))
         if module.__name__ in found or not hasattr(module, "__all__"):
@@ -34,26 +45,40 @@ def public() -> dict[str, tuple[str, ...]]:
         found[module.__name__] = tuple(module.__all__)
         values = [getattr(module, name) for name in module.__all__]
         waiting += [value.__name__ for value in values if isinstance(value, ModuleType)]
-    return dict(sorted(found.items()))
+    return found
 
 
 def imported_on_pages() -> list[str]:
     """Return the modules that README and docs import."""
     pages = [DOCS.parent / "README.md", *sorted(DOCS.rglob("*.md"))]
-    texts = [page.read_text("utf-8") for page in pages if not {"_build", "reference"} & set(page.parts)]
+    texts = [
+        page.read_text("utf-8")
+        for page in pages
+        if not {"_build", "reference"} & set(page.relative_to(DOCS.parent).parts)
+    ]
     found = set()
     for module, names in (match for text in texts for match in IMPORT.findall(text)):
-        inside = importlib.import_module(module)
-        found |= {module} | {v.__name__ for n in names.split(",") if isinstance(v := getattr(inside, n.strip(), None), ModuleType)}
+        found |= {
+            module,
+            *(f"{module}.{name}" for name in map(str.strip, names.split(",")) if _is_module(module, name)),
+        }
     return sorted(found)
 
 
+def _is_module(package: str, name: str) -> bool:
+    value = getattr(importlib.import_module(package), name, None)
+    return isinstance(value, ModuleType) or (value is None and find_spec(f"{package}.{name}") is not None)
+
+
 def home(value: Any, name: str) -> str:
-    """Return the public module in which a name has its entry: the one nearest to where it is written."""
-    listing = [module for module, names in public().items() if name in names and getattr(importlib.import_module(module), name) is value]
-    written = getattr(value, "__module__", None)
-    fitting = [m for m in listing if written and (written == m or written.startswith(f"{m}."))]
-    return max(fitting or listing, key=lambda module: (module.count("."), module))
+    """Return the public module in which a name has its entry: of those that `holonom` lists the nearest to its text."""
+    having = [
+        m for m, names in public().items() if name in names and getattr(importlib.import_module(m), name) is value
+    ]
+    having = [module for module in having if module in listed()] or having
+    written = f"{getattr(value, '__module__', None)}."
+    fitting = [module for module in having if written.startswith(f"{module}.")]
+    return max(fitting or having, key=lambda module: (module.count("."), module))
 
 
 def pages() -> dict[str, str]:
@@ -93,6 +118,8 @@ def documentation(module: str, name: str, value: Any) -> str:
     """Return the docstring; of constants the text below them, of tables what they hold."""
     if isinstance(value, Table):
         return f"Table of {value.kind}; `make` of each gives {value.product}: {', '.join(f'`{n}`' for n in value)}."
+    if isinstance(value, UnionType):
+        return f"Either of {', '.join(f'`{kind.__name__}`' for kind in get_args(value))}."
     said = constant_doc(module, name)
     if said or not (inspect.isclass(value) or inspect.isroutine(value) or hasattr(value, "py_func")):
         return said
@@ -104,7 +131,9 @@ def constant_doc(module: str, name: str) -> str:
     """Return the text below a constant's assignment, followed through imports; empty if it is none."""
     tree = _tree(module)
     for node, after in zip(tree.body, [*tree.body[1:], None], strict=True):
-        targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+        targets = (
+            node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+        )
         if any(isinstance(t, ast.Name) and t.id == name for t in targets):
             said = isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant)
             return inspect.cleandoc(str(after.value.value)) if said else ""
@@ -141,7 +170,9 @@ def directive(kind: str, head: str, body: list[str], depth: int = 6) -> str:
 
 def signature(value: Any) -> str:
     """Return the arguments, without long reprs and without modules' names in annotations."""
-    if inspect.isclass(value) and (issubclass(value, (enum.Enum, BaseException)) or getattr(value, "_is_protocol", False)):
+    if inspect.isclass(value) and (
+        issubclass(value, (enum.Enum, BaseException)) or getattr(value, "_is_protocol", False)
+    ):
         return ""
     try:
         found = inspect.signature(value)
@@ -169,7 +200,7 @@ def members(value: type) -> Iterator[str]:
     """Yield the fields of a record, the members of an enumeration, properties and methods."""
     if issubclass(value, enum.Enum):
         yield table([[f"`{m.name}`", f"`{m.value!r}`"] for m in value], ["member", "value"])
-    elif dataclasses.is_dataclass(value):
+    elif dataclasses.is_dataclass(value) and "\nAttributes\n--" not in (inspect.getdoc(value) or ""):
         yield "\n" + fields(value)
     for name, member in vars(value).items():
         if name.startswith("_") or not _documented(member):
@@ -178,7 +209,9 @@ def members(value: type) -> Iterator[str]:
         is_property = isinstance(member, property) or type(member).__name__ == "cached_property"
         if inspect.isfunction(function) and inspect.getdoc(function):
             head = name if is_property else name + signature(function)
-            yield directive("property" if is_property else "method", head, [markdown(inspect.getdoc(function) or "")], 4)
+            yield directive(
+                "property" if is_property else "method", head, [markdown(inspect.getdoc(function) or "")], 4
+            )
 
 
 def _documented(member: Any) -> bool:
@@ -197,12 +230,27 @@ def fields(record: type) -> str:
         kind = field.type if isinstance(field.type, str) else getattr(field.type, "__name__", str(field.type))
         known = next((said for said in field.metadata.values() if isinstance(said, Parameter)), None)
         meaning = known.meaning if known else below.get(field.name, "")
-        rows.append([f"`{field.name}`", f"`{kind}`".replace("|", "\\|"), known.unit if known else "", default, escaped(" ".join(filter(None, [meaning, known.range if known else ""])))])
+        rows.append(
+            [
+                f"`{field.name}`",
+                f"`{kind}`".replace("|", "\\|"),
+                known.unit if known else "",
+                default,
+                escaped(" ".join(filter(None, [meaning, known.range if known else ""]))),
+            ]
+        )
     return table(rows, ["field", "type", "unit", "default", "meaning"]) if rows else ""
 
 
 def _field_docs(record: type) -> dict[str, str]:
-    body = next((n.body for n in ast.walk(_tree(record.__module__)) if isinstance(n, ast.ClassDef) and n.name == record.__name__), [])
+    body = next(
+        (
+            n.body
+            for n in ast.walk(_tree(record.__module__))
+            if isinstance(n, ast.ClassDef) and n.name == record.__name__
+        ),
+        [],
+    )
     pairs = zip(body, [*body[1:], None], strict=True) if body else ()
     return {
         node.target.id: inspect.cleandoc(after.value.value).replace("\n", " ")

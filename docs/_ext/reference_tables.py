@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from docstrings import escaped, table
+
 from holonom.app.cell.schema import cell_schema
 from holonom.app.commands import COMMANDS
 from holonom.app.console import options
@@ -26,8 +27,8 @@ def commands() -> str:
     return "\n".join(lines)
 
 
-COMMON = """`holonom --help` lists the commands, `holonom COMMAND --help` says what one takes. Exit status: 0 when the question was answered;
-2 for bad input, found before anything runs; 1 for what fails after the start; 130 for Ctrl-C.
+COMMON = """`holonom --help` lists the commands, `holonom COMMAND --help` says what one takes. Exit status: 0 when the
+question was answered; 2 for bad input, found before anything runs; 1 for what fails after the start; 130 for Ctrl-C.
 """
 
 
@@ -37,7 +38,11 @@ def _option(action: Any) -> list[str]:
     value = f"`{value}`" if value and action.option_strings else ""
     several = {"+": "one or more; ", "*": "any number; ", "?": "may be left out; "}.get(action.nargs or "", "")
     said = several + (action.help or "").replace("%%", "%")
-    return [names, value.replace("|", "\\|"), escaped(said) + ("; required" if action.required and action.option_strings else "")]
+    return [
+        names,
+        value.replace("|", "\\|"),
+        escaped(said) + ("; required" if action.required and action.option_strings else ""),
+    ]
 
 
 def cell_keys() -> str:
@@ -50,8 +55,9 @@ def cell_keys() -> str:
     return "\n".join(lines)
 
 
-CELL = """A cell file is TOML; [the chapter](../cell.md) says how its tables go together. Quantities are texts with a unit (`"250mm/s"`); the
-column unit lists those that are taken. This page is made from the models that read the file, as `holonom doctor --schema` is.
+CELL = """A cell file is TOML; [the chapter](../cell.md) says how its tables go together. Quantities are texts with a
+unit (`"250mm/s"`); the column unit lists those that are taken. This page is made from the models that read the file, as
+`holonom doctor --schema` is.
 """
 
 
@@ -126,6 +132,11 @@ def _default(schema: dict[str, Any], required: bool) -> str:
 
 def meaning(schema: dict[str, Any]) -> str:
     """Return what a key means, and its range."""
-    words = {"minimum": "at least", "exclusiveMinimum": "more than", "maximum": "at most", "exclusiveMaximum": "less than"}
+    words = {
+        "minimum": "at least",
+        "exclusiveMinimum": "more than",
+        "maximum": "at most",
+        "exclusiveMaximum": "less than",
+    }
     bounds = [f"{word} {schema[key]:g}" for key, word in words.items() if key in schema]
     return escaped("; ".join(filter(None, [schema.get("description", ""), ", ".join(bounds)])))
