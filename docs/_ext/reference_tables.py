@@ -48,11 +48,39 @@ def _option(action: Any) -> list[str]:
 def cell_keys() -> str:
     """Return the page of the keys of a cell file."""
     schema = cell_schema()
-    lines = ["# Keys of a cell file\n", CELL]
-    lines += [_section("The file", "", schema, schema["properties"])]
-    for name, found in sorted(schema["$defs"].items()):
-        lines.append(_section(name, found.get("description", ""), found, found["properties"]))
+    used = _uses(schema)
+    lines = ["# Keys of a cell file\n", CELL, _section("The file", "", schema, schema["properties"])]
+    for name in sorted(schema["$defs"], key=lambda name: (not used[name][0].startswith("["), name)):
+        found = schema["$defs"][name]
+        said = f"{found.get('description', '')} `{name}` in the schema; it stands at {', '.join(used[name])}."
+        title = used[name][0] if used[name][0].startswith("[") else name
+        lines += [f"({name.lower()})=", _section(title, said, found, found["properties"])]
     return "\n".join(lines)
+
+
+def _uses(schema: dict[str, Any]) -> dict[str, list[str]]:
+    """Return where each table stands: `[cell]`, `[[robot]]`, else the keys that hold it."""
+    found: dict[str, list[str]] = {name: [] for name in schema["$defs"]}
+    for key, value in schema["properties"].items():
+        for name in _named(value):
+            found[name].append(f"[[{key}]]" if value.get("type") == "array" else f"[{key}]")
+    for owner, table_ in schema["$defs"].items():
+        for key, value in table_["properties"].items():
+            for name in _named(value):
+                found[name].append(f"`{key}` of `{owner}`")
+    return found
+
+
+def _named(schema: Any) -> Iterator[str]:
+    """Yield the names of tables that a schema refers to."""
+    if isinstance(schema, dict):
+        if "$ref" in schema:
+            yield schema["$ref"].rpartition("/")[2]
+        for value in schema.values():
+            yield from _named(value)
+    elif isinstance(schema, list):
+        for value in schema:
+            yield from _named(value)
 
 
 CELL = """A cell file is TOML; [the chapter](../cell.md) says how its tables go together. Quantities are texts with a
@@ -65,19 +93,23 @@ def _section(title: str, said: str, owner: dict[str, Any], properties: dict[str,
     required = owner.get("required", ())
     rows = [[f"`{key}`", kind(p), units(p), _default(p, key in required), meaning(p)] for key, p in properties.items()]
     inner = [
-        _section(f"{title}.{key}{form}", found.get("description", ""), found, found["properties"], 3)
+        _section(_within(title, key, form), found.get("description", ""), found, found["properties"], 3)
         for key, p in properties.items()
         for form, found in _inline(p)
     ]
-    head = f"{'#' * level} {title}\n\n{escaped(said)}\n\n"
+    head = f"{'#' * level} {escaped(title)}\n\n{escaped(said)}\n\n"
     return head + table(rows, ["key", "type", "unit", "default", "meaning"]) + "\n" + "\n".join(inner)
+
+
+def _within(title: str, key: str, form: str) -> str:
+    return f"[[{key}]]{form}" if title == "The file" else f"{key} of {title}{form}"
 
 
 def _inline(schema: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
     """Yield tables that are written out where they are used, with what tells them from the others."""
     if "properties" in schema:
         constants = [str(p["const"]) for p in schema["properties"].values() if "const" in p]
-        yield (f" = {constants[0]}" if constants else ""), schema
+        yield (f", {constants[0]}" if constants else ""), schema
     for part in (*schema.get("anyOf", ()), *schema.get("oneOf", ()), *schema.get("prefixItems", ())):
         yield from _inline(part)
     if isinstance(schema.get("items"), dict):
