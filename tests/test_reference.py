@@ -186,3 +186,9 @@ def test_pins_hold_what_the_docs_need() -> None:
     extra = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]["docs"]
     pinned = {line.partition("==")[0].lower() for line in (ROOT / "constraints.txt").read_text("utf-8").splitlines()}
     assert {re.split("[>=]", need)[0].lower().replace("_", "-") for need in extra} <= pinned
+
+
+def test_no_cell_of_a_matrix_is_lost() -> None:
+    made = load("formulas").mathml(r"\begin{pmatrix} a & b & 1\\ & \vdots & \end{pmatrix}")
+    assert (made.count("<mtr>"), made.count("<mtd>")) == (2, 6)
+    assert 'rspace="0.1667em">sin' in load("formulas").mathml(r"\sin\theta")

@@ -19,6 +19,9 @@ from sphinx.util import logging
 NAMESPACE = "http://www.w3.org/1998/Math/MathML"
 PARTS = {"mfrac": 2, "mroot": 2, "msub": 2, "msup": 2, "mover": 2, "munder": 2, "msubsup": 3, "munderover": 3}
 LEFT_OVER = re.compile(r"[\\{}&]")
+WORD = re.compile("[A-Za-z]{2,}")
+OPENS = ("(", "[", ",", ".", ")")
+EMPTY = [(r"(\\\\\s*|&\s*|\}\s*)(?=&)", r"\1{} "), (r"(&\s*)(?=\\\\|\\end)", r"\1{} ")]
 BRACES = (r"\{", r"\}", r"\lbrace", r"\rbrace", "{cases}")
 log = logging.getLogger(__name__)
 
@@ -36,6 +39,9 @@ def mathml(latex: str, *, block: bool = False) -> str:
         It cannot be rendered; says why.
     """
     text = latex.strip().replace("{aligned}", "{split}")
+    text = re.sub(r"\\operatorname\{([A-Za-z]+\d+)\}", r"\\text{\1}", text)  # "atan2", which it spells as a product
+    for empty, filled in EMPTY:  # it drops a row that begins with an empty cell
+        text = re.sub(empty, filled, text)
     if text.count("{") - text.count(r"\{") != text.count("}") - text.count(r"\}"):
         raise FormulaError("braces do not match")
     try:
@@ -47,7 +53,8 @@ def mathml(latex: str, *, block: bool = False) -> str:
     _wrap_matrices(root)
     for element in root.iter():
         _check(element, text)
-    _tidy(root)
+    _check_cells(root, text)
+    _tidy(root, block=block)
     root.set("xmlns", NAMESPACE)
     return ElementTree.tostring(root, encoding="unicode")
 
@@ -61,16 +68,30 @@ def _check(element: ElementTree.Element, latex: str) -> None:
         raise FormulaError(f"{element.tag} has {len(element)} parts instead of {expected}")
 
 
-def _tidy(element: ElementTree.Element) -> None:
+def _check_cells(root: ElementTree.Element, latex: str) -> None:
+    """Refuse a table that lost rows or cells on the way."""
+    rows = latex.count(r"\begin{") + len(re.findall(r"\\\\(?!\s*\\end)", latex))
+    cells = rows + len(re.findall(r"(?<!\\)&", latex))
+    found = [sum(1 for _ in root.iter(tag)) for tag in ("mtr", "mtd")]
+    if latex.count(r"\begin{") and found != [rows, cells]:
+        raise FormulaError(f"{rows} rows and {cells} cells became {found[0]} and {found[1]}")
+
+
+def _tidy(element: ElementTree.Element, *, block: bool) -> None:
     children = list(element)
     for place, child in enumerate(children):
-        _tidy(child)
-        word = child.tag == "mo" and re.fullmatch("[A-Za-z]{2,}", child.text or "")
-        if word or (child.tag in ("msub", "msup") and re.fullmatch("[A-Za-z]{2,}", child[0].text or "")):
-            follower = children[place + 1] if place + 1 < len(children) else None
-            tight = follower is None or (follower.text or "") in ("(", "[")
-            head = child if word else child[0]
-            head.attrib |= {"lspace": "0.1667em" if place else "0", "rspace": "0" if tight else "0.1667em"}
+        _tidy(child, block=block)
+        if child.tag == "mo" and child.text == "/":
+            child.attrib |= {"lspace": "0", "rspace": "0"}
+        elif child.tag == "mo" and child.text == "\u2202":
+            child.tag = "mi"
+        head = child[0] if child.tag in ("msub", "msup", "msubsup") else child
+        if head.tag in ("mi", "mo") and WORD.fullmatch(head.text or ""):
+            follower = (children[place + 1].text or "") if place + 1 < len(children) else "("
+            head.tag = "mo"
+            head.attrib |= {"lspace": "0.1667em" if place else "0", "rspace": "0" if follower in OPENS else "0.1667em"}
+        if block and child.tag == "msub" and head.text in ("max", "min"):
+            child.tag = "munder"
 
 
 def _wrap_matrices(element: ElementTree.Element) -> None:
