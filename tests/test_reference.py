@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 
 import holonom
+from holonom.app.about.doctor import EXTRAS
 from holonom.app.commands import COMMANDS
 from holonom.registry import parameters_of
 
@@ -192,3 +193,16 @@ def test_no_cell_of_a_matrix_is_lost() -> None:
     made = load("formulas").mathml(r"\begin{pmatrix} a & b & 1\\ & \vdots & \end{pmatrix}")
     assert (made.count("<mtr>"), made.count("<mtd>")) == (2, 6)
     assert 'rspace="0.1667em">sin' in load("formulas").mathml(r"\sin\theta")
+
+
+def test_files_named_on_the_page_of_methods_exist() -> None:
+    paths = re.findall(r"`(holonom/[\w/.]+)`", (DOCS / "add_a_method.md").read_text("utf-8"))
+    assert len(paths) > 8
+    assert [path for path in paths if not (ROOT / "src" / path).exists()] == []
+
+
+def test_doctor_knows_every_extra() -> None:
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
+    assert set(EXTRAS) == set(extras) - {"all"}
+    for name, modules in EXTRAS.items():
+        assert set(modules.values()) <= {re.split("[>=;]", need)[0] for need in extras[name]}, name
