@@ -24,7 +24,17 @@ NEEDED = ("numpy", "numba", "llvmlite", "scipy", "lark", "pydantic", "mcap", "ri
 EXTRAS: Mapping[str, Mapping[str, str]] = {
     "vision": {"cv2": "opencv-python-headless"},
     "oracle": {"pinocchio": "pin", "eaik": "eaik", "roboticstoolbox": "roboticstoolbox-python"},
-    "docs": {"sphinx": "sphinx", "myst_parser": "myst-parser", "matplotlib": "matplotlib"},
+    "plots": {"matplotlib": "matplotlib", "plotly": "plotly"},
+    "motion": {"ruckig": "ruckig"},
+    "symbolic": {"sympy": "sympy"},
+    "xacro": {"xacro": "xacro"},
+    "docs": {
+        "sphinx": "sphinx",
+        "myst_parser": "myst-parser",
+        "furo": "furo",
+        "latex2mathml": "latex2mathml",
+        "matplotlib": "matplotlib",
+    },
     "test": {"pytest": "pytest", "hypothesis": "hypothesis", "mypy": "mypy", "selenium": "selenium"},
 }
 """For each extra of the package the modules that it brings and the distributions that they come from."""

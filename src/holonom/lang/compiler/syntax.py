@@ -23,6 +23,7 @@ WORDS: dict[str, str] = {
     **{name: name if word.carries else f"_{name}" for name, word in SYNTAX_WORDS.items()},
     **dict.fromkeys(INSTRUCTIONS, "ACTION"),
 }
+"""Words that no name may be, with the token of the grammar that each is."""
 _OPENS = {"_IF": "IF", "_FOR": "FOR", "_WHILE": "WHILE", "_CASE": "CASE", "_DO": "DO"}
 _NAMES = {"TEXT_NAME", "JOINTS_NAME"}
 _ARITHMETIC = {"PLUS", "MINUS", "STAR", "SLASH", "POWER", "MOD", "AND", "OR", "XOR", "BAND", "BOR", "BXOR"}

@@ -18,6 +18,7 @@ FORMATS = {
     "/C": "`/Cn`: n line ends (one where n is left out)",
     "/S": "`/S`: the next TYPE goes on in this line",
 }
+"""Formats of TYPE and $ENCODE: how each is written, and what it does."""
 
 _SHAPE = re.compile(r"(?:([FE])(\d{1,2})\.(\d{1,2})|I(\d{1,2})|([XC])(\d{0,2})|([DS]))", re.IGNORECASE)
 

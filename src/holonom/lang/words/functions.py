@@ -20,7 +20,6 @@ __all__ = ["FEATURES", "FUNCTIONS", "SHIFT", "TRUE", "dest", "here", "signals_ar
 TRUE, FALSE = -1.0, 0.0
 _MM, _MM2 = 1e3, 1e6
 
-# What VFEATURE(n) gives after VLOCATE: its meaning and the factor from SI to the unit of the language.
 FEATURES: dict[int, tuple[str, float]] = {
     1: ("TRUE when VLOCATE found a part", TRUE),
     2: ("x in the world, mm", _MM),
@@ -29,6 +28,7 @@ FEATURES: dict[int, tuple[str, float]] = {
     5: ("area, mm2", _MM2),
     6: ("equal-area diameter, mm", _MM),
 }
+"""What VFEATURE(n) gives after VLOCATE: its meaning, and the factor from SI to the unit of the language."""
 
 _NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)(E[+-]?\d+)?", re.IGNORECASE)
 
@@ -219,3 +219,4 @@ SHIFT = Builtin(
 )
 
 FUNCTIONS: dict[str, Builtin] = {f.name: replace(f, result=kind) for kind, table in _TABLES for f in table}
+"""Functions by name: what they take, what they give, their line of help."""

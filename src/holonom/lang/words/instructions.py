@@ -97,3 +97,4 @@ INSTRUCTIONS: dict[str, Builtin] = {
         *(Builtin(name, numbers, run, text, repeat=True) for name, numbers, run, text in _SEVERAL),
     )
 }
+"""Instructions by name: what they take, what they do, their line of help."""

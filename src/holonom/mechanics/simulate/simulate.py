@@ -62,6 +62,7 @@ METHODS: Final[Mapping[str, Tableau]] = {
     "rk4": Tableau((0.0, 0.5, 0.5, 1.0), (1 / 6, 1 / 3, 1 / 3, 1 / 6)),
     "semi_implicit": Tableau((0.0,), (1.0,), semi_implicit=True),
 }
+"""Integrators of a fixed step, by name; "dop853" is adaptive."""
 ADAPTIVE = "dop853"
 
 

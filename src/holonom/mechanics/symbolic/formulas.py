@@ -148,6 +148,7 @@ QUANTITIES: Mapping[str, Callable[[_Lettered], Entries]] = {
     "coriolis_matrix": _coriolis_matrix,
     "gravity": _gravity,
 }
+"""What can be written out as formulas, by the name that `formulas` takes."""
 
 
 def formulas(
