@@ -87,7 +87,8 @@ def test_the_closed_loop_is_the_law_before_the_varied_arm(seed: int) -> None:
     model = random_tree(seed, 5)
     n, nominal = len(model.independent), [from_body(body) for body in model.bodies or ()]
     q, qd, reference = rng.uniform(-1, 1, n), rng.uniform(-1, 1, n), rng.uniform(-1, 1, 3 * n)
-    part = {"gains": rng.uniform(1, 9, 2 * n), "masses": rng.uniform(0.5, 2, 5), "wrench": rng.uniform(-3, 3, 6),
+    masses = rng.uniform(0.5, 2, len(model.joints))
+    part = {"gains": rng.uniform(1, 9, 2 * n), "masses": masses, "wrench": rng.uniform(-3, 3, 6),
             "payload": np.array([1.2, 0.1, -0.2, 0.3])}  # fmt: skip
     options = {"law": "computed_torque", "friction": False, "wrench_frame": "tool"}
     qdd, tau = closed_loop(model, nominal, options, (q, qd), reference, part, np.sign(qd))

@@ -47,6 +47,8 @@ class ArmJob:
         Joints (n,), rad or m.
     program, entry, hold
         Without a program it stands, for some time (s).
+    steady
+        Whether its tool stays in the world, between its motions, while the base that carries it moves.
     look
         The parts that its camera sees.
     rated
@@ -69,6 +71,7 @@ class ArmJob:
     line: LineSettings
     rated: Arm
     hold: float = 0.0
+    steady: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -68,7 +68,7 @@ class SimulatedArm:
         Its gripper in the world; None: it has none.
     sink
         Where records go.
-    look, ready, line
+    look, ready, line, steady
         See `ArmMachine`.
     signals
         Those of the cell.
@@ -87,6 +87,7 @@ class SimulatedArm:
         line: LineSettings,
         believed: Frame | None = None,
         true: Frame | None = None,
+        steady: bool = False,
         signals: DigitalSignals | None = None,
     ) -> None:
         self.loop, self.fingers, self._sink, self._true = loop, fingers, sink, true
@@ -101,6 +102,7 @@ class SimulatedArm:
             line=line,
             levels=loop.settings.levels,
             frame=believed,
+            steady=steady,
             signals=signals,
             observe=self._record,
         )

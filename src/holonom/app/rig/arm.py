@@ -77,6 +77,7 @@ class ArmRig:
             line=job.line,
             believed=believed,
             true=true,
+            steady=job.steady,
             signals=signals,
         )
         self.machine = self.arm.machine

@@ -12,6 +12,7 @@ from holonom.errors import DriveFault, LevelFault, MotionError
 from holonom.machine.arm.clock import PROGRAM_TICK, samples_per_tick
 from holonom.machine.arm.motions import LineSettings, MotionRequest
 from holonom.machine.arm.queue import MotionQueue
+from holonom.machine.arm.steady import SteadyTool
 from holonom.machine.digital import DigitalSignals
 from holonom.machine.drives import ArmDrives, Hand
 from holonom.machine.levels import Levels
@@ -51,6 +52,8 @@ class ArmMachine:
         Periods of supervisor, model and servos.
     frame
         T (4, 4) of its base in the world where another robot carries it, as that one believes to stand.
+    steady
+        Whether, between its motions, the tool stays where it is in the world while the base moves.
     signals
         Those of the cell; None: it has its own.
     observe
@@ -70,6 +73,7 @@ class ArmMachine:
         line: LineSettings,
         levels: Levels = Levels(),
         frame: Callable[[], Array] | None = None,
+        steady: bool = False,
         signals: DigitalSignals | None = None,
         observe: Callable[[Array], None] = lambda reference: None,
     ) -> None:
@@ -79,6 +83,7 @@ class ArmMachine:
         self._before, self._braking, self._halting = drives.position, 0, False
         self._samples = samples_per_tick(levels.servo)
         self._parts: list[Any] = []
+        self._steady = SteadyTool(arm, frame, PROGRAM_TICK) if steady and frame is not None else None
         self._signals = signals if signals is not None else DigitalSignals(sink)
 
     # --- what lang.Machine asks for -----------------------------------------------------------------------------
@@ -86,6 +91,8 @@ class ArmMachine:
     def move(self, motion: MotionRequest) -> bool:
         """Take a motion, blended into the present one if both allow it; False while one is already waiting."""
         idle, self._halting = self.idle(), False
+        if self._steady is not None:
+            self._steady.release()
         return self.queue.move(self._on_base(motion) if self._frame is not None else motion, idle=idle)
 
     def idle(self) -> bool:
@@ -180,7 +187,7 @@ class ArmMachine:
             if self._braking == 0:
                 self.queue.place(self.drives.position)
             return
-        self.drives.advance(self.queue.take(self._samples))
+        self.drives.advance(self._references())
         try:
             for what in self.hand.step(PROGRAM_TICK) if self.hand is not None else ():
                 self.log("info", "hand", what, self.active_line)
@@ -189,6 +196,14 @@ class ArmMachine:
                 raise
         finally:
             self._observe(self.queue.present())
+
+    def _references(self) -> Array:
+        """Those of the next tick (3, samples, n): of the motion under way, or what keeps the tool where it is."""
+        if self._steady is None or not self.queue.empty or self._halting:
+            return self.queue.take(self._samples)
+        reference = self._steady.reference(self.queue.goal, self._samples)
+        self.queue.place(reference[0, -1])
+        return reference
 
     def begin_halt(self) -> None:
         """Brake along the path from the next tick on (stop category 1 or 2)."""

@@ -102,6 +102,7 @@ def build_arm_job(
         ),
         rated=rated,
         hold=robot.hold or 0.0,
+        steady=bool(robot.steady_tool),
     )
     return ArmBuild(job, tuple(f"{called}: {note}" for note in (*notes, *more, *slowed)), tuple(unreachable))
 

@@ -33,7 +33,7 @@ from holonom.model import Joint
 __all__ = ["GripperTool", "Robot", "RodTool"]
 
 _DEGREE = DIMENSIONS["angle"]["deg"]
-_ARM_ONLY = ("home", "tool", "program")
+_ARM_ONLY = ("home", "tool", "program", "steady_tool")
 _BASE_ONLY = ("path", "velocity", "start", "done")
 _TASKS = ("program", "path", "velocity", "hold")
 
@@ -209,6 +209,8 @@ class Robot(Section):
     """the velocities that a base is to follow"""
     hold: Annotated[float, Quantity("time", "0ms", "1440min")] | None = None
     """how long it is to stand where it is"""
+    steady_tool: bool | None = None
+    """whether an arm on a base keeps its tool where it is in the world, between its motions, while the base moves"""
     start: StartTable | None = None
     """when its path or velocities begin: a time, or { signal = 5 }"""
     done: SignalNumber | None = None
@@ -218,6 +220,7 @@ class Robot(Section):
     def _keys_fit(self) -> Robot:
         if self.is_arm:
             self._refuse(_BASE_ONLY, "an arm has none; give it a program")
+            self._check_steady()
         else:
             self._refuse(_ARM_ONLY, "a base has none; give it path, velocity or hold")
             self._refuse(("on",), "a base stands on the floor; leave `on` out")
@@ -230,6 +233,14 @@ class Robot(Section):
         if self.pose is not None and not self.is_arm and (self.pose.position[2] or self.pose.roll or self.pose.pitch):
             raise refuse(("pose",), "a base stands level on the floor; z, roll and pitch are 0")
         return self
+
+    def _check_steady(self) -> None:
+        if not self.steady_tool:
+            return
+        if self.on is None:
+            raise refuse(("steady_tool",), "it came; only an arm that a base carries (`on`) can lose its tool's place")
+        if self.levels is not None:
+            raise refuse(("steady_tool",), "it came beside levels; points of a slower supervisor cannot follow a base")
 
     def _check_base_levels(self) -> None:
         if self.levels is None:
