@@ -9,6 +9,7 @@
 `hm.mechanics`     kinematics, dynamics, motion
 `hm.trace`         the kernel compiler
 `hm.model`         robot descriptions
+`hm.geometry`      shapes, distances, ray casts
 `hm.devices`       motors, gears, friction, encoders
 `hm.control`       regulators, servo cascade, computed torque
 `hm.mobile`        wheels, bases, odometry and its calibration
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
         closed_loop,
         control,
         devices,
+        geometry,
         lang,
         machine,
         mechanics,
@@ -51,6 +53,7 @@ _SUBPACKAGES = (
     "closed_loop",
     "control",
     "devices",
+    "geometry",
     "lang",
     "machine",
     "mechanics",
@@ -77,6 +80,7 @@ __all__ = [
     "control",
     "devices",
     "errors",
+    "geometry",
     "lang",
     "load_arm",
     "machine",

@@ -13,6 +13,7 @@ from holonom.app.job import Job, Mount, Obstacle, SensorJob, SignalEvent, Task
 from holonom.app.recording import Recorder, Recording, read_recording
 from holonom.app.recording.reader import read_robots
 from holonom.app.rig import Ended, Ending, Rig, simulated
+from holonom.geometry import Box, Cylinder
 from holonom.sim import BaseFault, Disc, Gripper, Surface
 from holonom.spatial import inverse, pose
 
@@ -133,7 +134,7 @@ def test_a_jammed_wheel_fails_the_run(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("size", [(0.1, 0.1, 0.5), None])
 def test_an_obstacle_is_not_driven_through(tmp_path: Path, size: tuple[float, float, float] | None) -> None:
-    wall = Obstacle("wall", pose((0.6, 0.0, 0.2)), size, 0.05, 0.4)
+    wall = Obstacle("wall", pose((0.6, 0.0, 0.2)), Box(size) if size else Cylinder(0.05, 0.4))
     ended, _, recording = run(job(base_job(line(1.0)), obstacles=(wall,)), tmp_path)
     assert ended.ending is Ending.FAILED
     assert "the base hit wall" in ended.reason
@@ -159,7 +160,7 @@ def test_who_is_not_done_in_time_says_what_it_waits_for(tmp_path: Path) -> None:
 
 def test_an_arm_does_not_go_through_an_obstacle(tmp_path: Path) -> None:
     T = PUMA.fk(np.radians([60.0, 45.0, -180.0, 0.0, -45.0, 0.0]))
-    post = Obstacle("post", pose((T[0, 3], T[1, 3], T[2, 3])), None, 0.05, 0.3)
+    post = Obstacle("post", pose((T[0, 3], T[1, 3], T[2, 3])), Cylinder(0.05, 0.3))
     program = ".PROGRAM main()\n  DRIVE 1, 90, 50\n.END\n"
     ended, _, _ = run(job(arm_job(program), obstacles=(post,)), tmp_path)
     assert ended.ending is Ending.FAILED

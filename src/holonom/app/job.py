@@ -9,6 +9,7 @@ from typing import Any
 
 from holonom.app.report import PhotoOverlay, Scene
 from holonom.arrays import Array
+from holonom.geometry import Shape
 from holonom.lang import Part, Program
 from holonom.machine import BaseSettings, ControlSettings, Levels, LineSettings, ReferencePath
 from holonom.mechanics import Arm
@@ -133,13 +134,11 @@ class SensorJob:
 
 @dataclass(frozen=True, slots=True)
 class Obstacle:
-    """Something that nothing may hit: T (4, 4) of its middle; a box of `size` (m), or an upright cylinder."""
+    """Something that nothing may hit: T (4, 4) of its middle, and its shape, which stands upright."""
 
     name: str
     T: Array
-    size: tuple[float, float, float] | None = None
-    radius: float = 0.0
-    height: float = 0.0
+    shape: Shape
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, finite, is_finite, shown, vectors
 from holonom.errors import InputError, ModelError, OutOfLimits
+from holonom.geometry import hull, margin, normals_and_offsets
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.model.gravity import GRAVITY
 
@@ -50,16 +51,13 @@ def support_polygon(base: WheelBase, castors: ArrayLike | None = None) -> Array:
         Fewer than three contacts, or all on one line: the base cannot stand by itself.
     """
     points = contact_points(base, castors)
-    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
-    if len(points) < 3 or spread[1] <= 1e-9 * max(spread[0], 1e-300):
+    try:
+        return hull(points)
+    except InputError:
         raise ModelError(
             f"base {base.name!r} touches the floor at {len(points)} points that span no area ("
             f"{', '.join(w.name for w in base.wheels)}): it has to balance; add a castor or a wheel off their line"
-        )
-    from scipy.spatial import ConvexHull
-
-    corners: Array = points[ConvexHull(points).vertices]
-    return corners
+        ) from None
 
 
 def static_margin(base: WheelBase, com: ArrayLike | None = None, *, castors: ArrayLike | None = None) -> Array:
@@ -70,9 +68,7 @@ def static_margin(base: WheelBase, com: ArrayLike | None = None, *, castors: Arr
     com : (..., 2) m in base_link, such as that of the base with its load; None: the base's.
     """
     point = base.com if com is None else vectors("com", com, 2)
-    normals, offsets = _edges(support_polygon(base, castors))
-    margin: Array = np.asarray((offsets - point @ normals.T).min(axis=-1))
-    return margin
+    return margin(support_polygon(base, castors), point)
 
 
 def zero_moment_point(
@@ -115,7 +111,7 @@ def acceleration_limit(
             f"base {base.name!r} tips at rest: its centre of mass {np.round(point, 6).tolist()} lies outside its "
             "support polygon; move it inside"
         )
-    normals, offsets = _edges(support_polygon(base, castors))
+    normals, offsets = normals_and_offsets(support_polygon(base, castors))
     angle = finite("direction", direction)
     closing = -np.stack([np.cos(angle), np.sin(angle)], axis=-1) @ normals.T  # the point moves against the acceleration
     room = offsets - point @ normals.T
@@ -170,13 +166,6 @@ def wheel_loads(
     balance = np.concatenate([np.ones((1, len(points))), (points - middle).T])  # force, and moments about the middle
     asked = np.concatenate([np.ones((*zmp.shape[:-1], 1)), zmp - middle], axis=-1) * base.mass * GRAVITY
     return asked @ np.linalg.pinv(balance).T
-
-
-def _edges(corners: Array) -> tuple[Array, Array]:
-    """Outward unit normals (k, 2) of a polygon's edges and their distances (k,) from the origin."""
-    along = np.roll(corners, -1, axis=0) - corners
-    normals = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1, keepdims=True)
-    return normals, np.einsum("ki,ki->k", normals, corners)
 
 
 def _height(base: WheelBase, com_height: float | None) -> float:

@@ -23,6 +23,7 @@ from holonom.app.report.findings.facts import (
     Rows,
 )
 from holonom.arrays import Array
+from holonom.geometry import Box, Cylinder, outline
 from holonom.mechanics import Arm
 from holonom.sim import Floor, RectangularPatch, RoundPatch
 
@@ -32,8 +33,6 @@ if TYPE_CHECKING:
 __all__ = ["attachments_of", "cell_facts", "patch_corners"]
 
 PROGRAM = "program.arps"
-ROUND = 48
-"""Corners of a round patch."""
 
 
 def attachments_of(
@@ -86,9 +85,8 @@ def cell_facts(job: Job, controller: int = -1, *, rated: Sequence[Arm] = (), pat
 def patch_corners(patch: RectangularPatch | RoundPatch) -> Array:
     """Corners (N, 2) of a patch in the world; of a round one, of a polygon."""
     if isinstance(patch, RoundPatch):
-        turn = np.linspace(0.0, 2.0 * np.pi, ROUND, endpoint=False)
-        return np.array(patch.centre) + patch.radius * np.stack([np.cos(turn), np.sin(turn)], -1)
-    half = 0.5 * np.array([patch.length, patch.width]) * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]])
+        return np.array(patch.centre) + outline(Cylinder(patch.radius, 0.0))
+    half = outline(Box((patch.length, patch.width, 0.0)))
     c, s = math.cos(patch.angle), math.sin(patch.angle)
     return np.array(patch.centre) + half @ np.array([[c, s], [-s, c]])
 

@@ -8,13 +8,13 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from holonom.app.job import Obstacle
 from holonom.app.rig.arm import ArmRig
 from holonom.app.rig.base import BaseRig
 from holonom.app.rig.robot import RobotRig
 from holonom.arrays import Array
+from holonom.geometry import distance
 from holonom.spatial import inverse
 
 __all__ = ["Collisions", "Hit"]
@@ -49,12 +49,14 @@ class Collisions:
         for base in bases:
             x, y, _ = base.loop.plant.pose
             for obstacle, T in self._obstacles:
-                if _low(obstacle) < base.job.base.com_height + 0.1 and _beside(obstacle, T, x, y) < _reach(base):
+                low = float(obstacle.T[2, 3]) - 0.5 * obstacle.shape.height
+                here = T @ np.array([x, y, obstacle.T[2, 3], 1.0])
+                if low < base.job.base.com_height + 0.1 and distance(obstacle.shape, here[:3]) < _reach(base):
                     return Hit(base, f"{'it' if base.name else 'the base'} hit {obstacle.name}")
         for arm in arms:
             points = _points(arm)
             for obstacle, T in self._obstacles:
-                if _inside(obstacle, points @ T[:3, :3].T + T[:3, 3]).any():
+                if (distance(obstacle.shape, points @ T[:3, :3].T + T[:3, 3]) <= 0.0).any():
                     return Hit(arm, f"{'it' if arm.name else 'the arm'} hit {obstacle.name}")
         return None
 
@@ -63,29 +65,9 @@ def _reach(base: BaseRig) -> float:
     return max(math.hypot(wheel.x, wheel.y) for wheel in base.job.base.wheels)
 
 
-def _low(obstacle: Obstacle) -> float:
-    height = obstacle.height if obstacle.size is None else obstacle.size[2]
-    return float(obstacle.T[2, 3]) - 0.5 * height
-
-
-def _beside(obstacle: Obstacle, T: Array, x: float, y: float) -> float:
-    """Distance (m) of a point on the floor from an upright obstacle's outline."""
-    px, py = (T @ np.array([x, y, obstacle.T[2, 3], 1.0]))[:2]
-    if obstacle.size is None:
-        return max(math.hypot(px, py) - obstacle.radius, 0.0)
-    return math.hypot(max(abs(px) - 0.5 * obstacle.size[0], 0.0), max(abs(py) - 0.5 * obstacle.size[1], 0.0))
-
-
 def _points(arm: ArmRig) -> Array:
     """Points (k, 3) along the lines between an arm's frames, in the world; its own base is not one."""
     places = arm.arm.frames()[1:, :3, 3]
     s = np.linspace(0.0, 1.0, POINTS)[:, None, None]
     found: Array = (places[None, :-1] + s * (places[1:] - places[:-1])[None]).reshape(-1, 3)
     return found
-
-
-def _inside(obstacle: Obstacle, points: Array) -> NDArray[np.bool_]:
-    if obstacle.size is not None:
-        return np.asarray((np.abs(points) <= 0.5 * np.array(obstacle.size)).all(axis=1))
-    beside: NDArray[np.bool_] = np.hypot(points[:, 0], points[:, 1]) <= obstacle.radius
-    return beside & (np.abs(points[:, 2]) <= 0.5 * obstacle.height)

@@ -20,6 +20,7 @@ from holonom.app.job import ArmJob, BaseJob, FieldPlace, Job, Mount, Obstacle, S
 from holonom.arrays import Array
 from holonom.devices import Accelerometer, CurrentShunt, Gyro
 from holonom.errors import CellError
+from holonom.geometry import Box, Cylinder
 from holonom.mobile import BaseSensors
 from holonom.sim import SENSORS, Disc, Floor, Material, RectangularPatch, RoundPatch, Surface
 from holonom.spatial import pose
@@ -53,7 +54,8 @@ def build_job(cell: Cell, path: Path) -> Job:
     job_arms = tuple(arm.job for arm in arms)
     refuse_never(cell, path, job_arms, bases)
     obstacles = tuple(
-        Obstacle(o.name, placement_pose(o.pose), o.size, o.radius or 0.0, o.height or 0.0) for o in cell.obstacle
+        Obstacle(o.name, placement_pose(o.pose), Box(o.size) if o.size else Cylinder(o.radius or 0.0, o.height or 0.0))
+        for o in cell.obstacle
     )
     return Job(
         name=cell.cell.name,

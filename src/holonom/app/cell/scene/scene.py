@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from holonom import geometry
 from holonom.app.cell.build.camera import Seen, pixel_axes
 from holonom.app.cell.model.cell import Cell
 from holonom.app.cell.model.places import placement_pose
@@ -113,11 +114,12 @@ def _tray_shapes(tray: Tray, T_table: Array) -> list[Shape]:
 
 
 def _obstacle(obstacle: Obstacle) -> Shape:
-    if obstacle.size is not None:
-        return Box("world", obstacle.T, obstacle.size, WARNING)
-    half = 0.5 * obstacle.height * obstacle.T[:3, 2]
+    shape = obstacle.shape
+    if isinstance(shape, geometry.Box):
+        return Box("world", obstacle.T, shape.size, WARNING)
+    half = 0.5 * shape.height * obstacle.T[:3, 2]
     ends = [tuple((obstacle.T[:3, 3] + sign * half).tolist()) for sign in (-1.0, 1.0)]
-    return Tube("world", ends[0], ends[1], obstacle.radius, WARNING)
+    return Tube("world", ends[0], ends[1], shape.radius, WARNING)
 
 
 def _part(disc: Disc, cell: Cell, seen: Seen | None) -> Shape:
@@ -140,7 +142,7 @@ def _still(cell: Cell, parts: Sequence[Disc], obstacles: Sequence[Obstacle]) -> 
         half = patch.radius if patch.radius is not None else 0.5 * max(patch.size or (0.0,))
         spheres.append((np.array([*patch.centre, 0.0]), half))
     spheres += [(disc.pose[:3, 3], disc.radius) for disc in parts]
-    spheres += [(o.T[:3, 3], 0.5 * float(np.linalg.norm(o.size or (2 * o.radius, o.height)))) for o in obstacles]
+    spheres += [(o.T[:3, 3], o.shape.reach) for o in obstacles]
     return spheres
 
 
