@@ -13,8 +13,9 @@ from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile.arrangements import ackermann, omni
 from holonom.mobile.drive.base_drive import BaseDrive
 from holonom.model.gravity import GRAVITY
+from holonom.numeric.small_kernels import solve_positive3
 from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch
-from holonom.sim.base.kernels import BLOCKED, DEAD, _friction, _solve, break_motor, slip_friction
+from holonom.sim.base.kernels import BLOCKED, DEAD, _friction, break_motor, slip_friction
 from holonom.sim.base.plant import BasePlant
 
 SLICK = Floor(Material(0.0, 0.0, 0.1))
@@ -237,7 +238,7 @@ def test_solver(seed: int) -> None:
     A = rng.standard_normal((3, 3))
     A = A @ A.T + 0.1 * np.eye(3)
     b = rng.standard_normal(3)
-    found = _solve(A[0, 0], A[1, 1], A[2, 2], A[0, 1], A[0, 2], A[1, 2], *b)
+    found = solve_positive3(A[0, 0], A[1, 1], A[2, 2], A[0, 1], A[0, 2], A[1, 2], *b)
     np.testing.assert_allclose(found, np.linalg.solve(A, b), rtol=1e-8, atol=1e-10)
 
 

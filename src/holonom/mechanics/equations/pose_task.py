@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from holonom.mechanics.equations.dynamics.forward_dynamics import solve_ldl
 from holonom.mechanics.equations.kinematics import frames, jacobian
 from holonom.mechanics.equations.vectors import (
     Matrix,
@@ -23,6 +22,7 @@ from holonom.mechanics.equations.vectors import (
     tvec,
 )
 from holonom.model import ArmModel
+from holonom.numeric.small import solve_ldl
 from holonom.trace import Number, absolute, atan2, cos, less, select, sin, sqrt
 
 __all__ = ["damped_multipliers", "pose_error", "pose_task", "rotation_vector"]

@@ -10,7 +10,7 @@ from typing import Any
 
 from holonom.mechanics.equations.dynamics import composite_body, coriolis, derivatives, energy, newton_euler
 from holonom.mechanics.equations.dynamics.derivatives import Derivatives
-from holonom.mechanics.equations.dynamics.forward_dynamics import forward_dynamics, solve_ldl
+from holonom.mechanics.equations.dynamics.forward_dynamics import forward_dynamics
 from holonom.mechanics.equations.dynamics.inertia import Inertial
 from holonom.mechanics.equations.vectors import Matrix, Vector, matmul, matvec, scale, transpose
 from holonom.mechanics.kernels.placement import Here, compile_here
@@ -21,6 +21,7 @@ from holonom.mechanics.kernels.results import (
     InverseDynamicsDerivatives,
 )
 from holonom.model import ArmModel
+from holonom.numeric.small import solve_ldl
 from holonom.trace import Kernel, Number, Scalar
 from holonom.trace.derivative import jacobian
 

@@ -7,12 +7,12 @@ from typing import Any
 
 from holonom.errors import ModelError
 from holonom.mechanics.equations.dynamics.composite_body import floating_mass_matrix
-from holonom.mechanics.equations.dynamics.forward_dynamics import solve_ldl
 from holonom.mechanics.equations.dynamics.inertia import Inertial, from_body
 from holonom.mechanics.equations.dynamics.newton_euler import on_moving_base
 from holonom.mechanics.equations.vectors import Vector, sub
 from holonom.mechanics.kernels.placement import Here, bodies_of, compile_here
 from holonom.model import ArmModel
+from holonom.numeric.small import solve_ldl
 from holonom.trace import Kernel, Number
 
 __all__ = ["FLOATING"]

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 from holonom.mobile.base.wheel import KINDS, Wheel
 from holonom.mobile.equations.base_models import Axle, Layout
 from holonom.mobile.equations.wheels import ROUNDING, Row, summed, unit
+from holonom.numeric.small import solve_symmetric3
 from holonom.trace import Number, absolute, less, select
 
 __all__ = ["DETERMINED", "always_determined", "twist_of_speeds"]
@@ -27,13 +28,13 @@ def twist_of_speeds(layout: Layout, speeds: Row, axles: Sequence[Axle]) -> tuple
     normal, varying = _constant_share(layout), _varying(layout)
     for i in varying:
         normal = _with(normal, _sliding(layout, layout.wheels[i], axles[i]))
-    solution, determinant = _solve(normal, _right(layout, speeds, axles))
+    solution, determinant = solve_symmetric3(normal, _right(layout, speeds, axles))
     return [solution[0], solution[1], solution[2] / layout.radius], determinant * _usual_trace(layout) ** -3
 
 
 def always_determined(layout: Layout) -> bool:
     """Whether the twist is determined at any steering: the constant share of the normal matrix is enough."""
-    _, determinant = _solve(_constant_share(layout), [0.0, 0.0, 0.0])
+    _, determinant = solve_symmetric3(_constant_share(layout), [0.0, 0.0, 0.0])
     return less(DETERMINED, determinant * _usual_trace(layout) ** -3) is True
 
 
@@ -93,17 +94,3 @@ def _usual_trace(layout: Layout) -> float:
         for w in layout.wheels
     ]
     return sum(n * (1.0 + (w.l / layout.radius) ** 2) for w, n in rows) / 3.0
-
-
-def _solve(A: Sequence[Row], b: Row) -> tuple[Row, Number]:
-    """Solution of A x = b by cofactors, A symmetric (3, 3), and the determinant (1.0 where that is 0)."""
-    c00 = A[1][1] * A[2][2] - A[1][2] * A[1][2]
-    c01 = A[0][2] * A[1][2] - A[0][1] * A[2][2]
-    c02 = A[0][1] * A[1][2] - A[0][2] * A[1][1]
-    c11 = A[0][0] * A[2][2] - A[0][2] * A[0][2]
-    c12 = A[0][1] * A[0][2] - A[0][0] * A[1][2]
-    c22 = A[0][0] * A[1][1] - A[0][1] * A[0][1]
-    determinant = A[0][0] * c00 + A[0][1] * c01 + A[0][2] * c02
-    inverse = 1.0 / select(less(absolute(determinant), 1e-300), 1.0, determinant)
-    rows = ([c00, c01, c02], [c01, c11, c12], [c02, c12, c22])
-    return [summed([p * q for p, q in zip(row, b, strict=True)]) * inverse for row in rows], determinant

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from holonom.arrays import Array
 from holonom.devices.kernels import armature_step
 from holonom.model.gravity import GRAVITY
+from holonom.numeric.small_kernels import solve_positive3
 from holonom.trace.code.compiled import arctan, select, sincos_half_turn
 from holonom.trace.code.loops import loop
 from holonom.trace.code.simd import any_of, packed, total
@@ -109,7 +110,7 @@ def _step(body: Any, state: Any, wheels: Records, states: Records, passive: Arra
         yw += total(hl * ly * lw + hc * cy * cw - g * qy * qw)
         own.torque, own.effective, own.yielding = torque, inertia, yielding
         own.along, own.across, own.along_stiffness, own.across_stiffness = along, across, kl, kx
-    dx, dy, dw = _solve(xx, yy, ww, xy, xw, yw, bx, by, bw)
+    dx, dy, dw = solve_positive3(xx, yy, ww, xy, xw, yw, bx, by, bw)
     _advance(body, state, wheels, states, dx, dy, dw)
 
 
@@ -192,21 +193,6 @@ def _tyre_forces(own: Any, along: Any, across: Any) -> tuple[Any, Any, Any, Any]
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _chosen(which: Any, a: tuple[Any, ...], b: tuple[Any, ...]) -> tuple[Any, Any, Any, Any]:
     return select(which, a[0], b[0]), select(which, a[1], b[1]), select(which, a[2], b[2]), select(which, a[3], b[3])
-
-
-@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
-def _solve(
-    xx: float, yy: float, ww: float, xy: float, xw: float, yw: float, bx: float, by: float, bw: float
-) -> tuple[float, float, float]:
-    """Solve a symmetric positive 3 x 3 system by its cofactors: one division."""
-    x0, y0, w0 = yy * ww - yw * yw, xw * yw - xy * ww, xy * yw - xw * yy
-    y1, w1, w2 = xx * ww - xw * xw, xy * xw - xx * yw, xx * yy - xy * xy
-    part = 1.0 / (xx * x0 + xy * y0 + xw * w0)
-    return (
-        part * (x0 * bx + y0 * by + w0 * bw),
-        part * (y0 * bx + y1 * by + w1 * bw),
-        part * (w0 * bx + w1 * by + w2 * bw),
-    )
 
 
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)

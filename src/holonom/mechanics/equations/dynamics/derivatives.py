@@ -30,12 +30,12 @@ from holonom.mechanics.equations.dynamics.carried import (
 )
 from holonom.mechanics.equations.dynamics.composite_body import independent, joint_inertia, with_rotors
 from holonom.mechanics.equations.dynamics.coriolis import joint_coriolis
-from holonom.mechanics.equations.dynamics.forward_dynamics import factor_ldl, solve_factored
 from holonom.mechanics.equations.dynamics.inertia import Inertial
 from holonom.mechanics.equations.dynamics.newton_euler import friction_slope, friction_torque
 from holonom.mechanics.equations.kinematics import gather, spread
 from holonom.mechanics.equations.vectors import Vector, add, cross, dot, matmul, scale
 from holonom.model import ArmModel
+from holonom.numeric.small import factor_ldl, solve_factored
 from holonom.trace import Number
 
 __all__ = [
