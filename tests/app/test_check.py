@@ -57,7 +57,7 @@ def test_the_estimate_is_a_little_above_the_simulated_time(name: str, example_ru
 def test_the_rehearsal_ends_where_the_program_ends() -> None:
     machine = rehearsed(EXAMPLE / "cell.toml").machine
     np.testing.assert_allclose(machine.joints(), HOME, atol=1e-12)
-    assert machine.said[-3:] == ["small: 18", "medium: 2", "large: 4"]
+    assert machine.typed[-3:] == ["small: 18", "medium: 2", "large: 4"]
 
 
 def test_every_motion_that_cannot_be_made_has_its_line(cell: CellCopy) -> None:

@@ -187,7 +187,7 @@ def test_a_differential_base_keeps_a_path_along_its_heading(offset: tuple[float,
     loop.controller.follow_path(reference)
     log = loop.buffer(len(path.time))
     done = loop.advance_logged(log)
-    error = np.hypot(log.body["x"] - log.said["ref_x"], log.body["y"] - log.said["ref_y"])[:done]
+    error = np.hypot(log.body["x"] - log.controlled["ref_x"], log.body["y"] - log.controlled["ref_y"])[:done]
     assert error[2500:].max() < 0.05
     assert loop.controller.ending == DONE
 

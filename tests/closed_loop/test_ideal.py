@@ -60,7 +60,7 @@ def test_ideal_wheels_turn_as_told_and_never_slip(name: str) -> None:
     loop.controller.follow_path(reference)
     log = loop.buffer(len(path.time))
     done = loop.advance_logged(log)
-    error = np.hypot(log.body["x"] - log.said["ref_x"], log.body["y"] - log.said["ref_y"])[:done]
+    error = np.hypot(log.body["x"] - log.controlled["ref_x"], log.body["y"] - log.controlled["ref_y"])[:done]
     assert error.max() < 0.01
     assert np.abs(log.wheels["slip"]).max() == 0.0
     speeds = log.wheels["speed"].reshape(done if done == len(log.body) else len(log.body), -1)[:done]

@@ -69,7 +69,7 @@ def test_both_machines_run_the_same_program_to_the_same_joints() -> None:
     run_dry(program, dry)
     assert dry.problems == []
     assert dry.moved == 6
-    assert dry.said == ["done"]
+    assert dry.typed == ["done"]
     goal = [machine.destination() for machine in machines]
     np.testing.assert_allclose(goal[0], goal[1], atol=3e-4)  # DRIVE begins at the measured joints
     np.testing.assert_allclose(simulated.joints(), dry.joints(), atol=6e-4)

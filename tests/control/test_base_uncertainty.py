@@ -109,7 +109,7 @@ def test_a_lag_is_made_up_for_in_standing() -> None:
     poses, twist = driven(2)
     twist = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
     found = covariance_along(
-        dataclasses.replace(NOTHING, push_creep=(4e-3, 4e-3)), 1e-3, poses, twist, np.zeros((2, 2))
+        dataclasses.replace(NOTHING, force_creep=(4e-3, 4e-3)), 1e-3, poses, twist, np.zeros((2, 2))
     )
     assert found[0, 0, 0] == pytest.approx(16e-6)
     assert not found[1].any()

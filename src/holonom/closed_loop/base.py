@@ -88,11 +88,11 @@ class BaseLoop:
         fours, seen = len(self.plant.states), len(SEEN_WHEEL_SAMPLE)
         sizes = [BODY_SAMPLE.itemsize, fours * WHEEL_SAMPLE.itemsize, CONTROL_SAMPLE.itemsize, 8 * seen * WIDTH * fours]
         memory = np.zeros(ticks * sum(sizes), np.uint8)  # one piece: the system gives back and takes several anew
-        body, wheels, said, rest = np.split(memory, ticks * np.cumsum(sizes)[:-1])
+        body, wheels, controlled, rest = np.split(memory, ticks * np.cumsum(sizes)[:-1])
         return LogBuffer(
             body.view(BODY_SAMPLE),
             wheels.view(WHEEL_SAMPLE).reshape(ticks, fours),
-            said.view(CONTROL_SAMPLE),
+            controlled.view(CONTROL_SAMPLE),
             rest.view(np.float64).reshape(ticks, seen, WIDTH * fours),
         )
 

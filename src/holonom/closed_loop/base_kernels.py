@@ -32,12 +32,13 @@ class LogBuffer(NamedTuple):
 
     body: Records  # (N,) BODY_SAMPLE
     wheels: Records  # (N, n) WHEEL_SAMPLE
-    said: Records  # (N,) CONTROL_SAMPLE
+    controlled: Records  # (N,) CONTROL_SAMPLE
     seen: Array  # (N, 4, 4 n) SEEN_WHEEL_SAMPLE
 
     def part(self, first: int, last: int) -> LogBuffer:
         """Return its milliseconds from one up to another, on the same memory."""
-        return LogBuffer(self.body[first:last], self.wheels[first:last], self.said[first:last], self.seen[first:last])
+        part = slice(first, last)
+        return LogBuffer(self.body[part], self.wheels[part], self.controlled[part], self.seen[part])
 
 
 def joined(logs: Sequence[LogBuffer]) -> LogBuffer:
@@ -45,7 +46,7 @@ def joined(logs: Sequence[LogBuffer]) -> LogBuffer:
     return LogBuffer(
         np.concatenate([log.body for log in logs]),
         np.concatenate([log.wheels for log in logs]),
-        np.concatenate([log.said for log in logs]),
+        np.concatenate([log.controlled for log in logs]),
         np.concatenate([log.seen for log in logs]),
     )
 
@@ -74,7 +75,7 @@ def run_logged(
         control_step(params, task, signals, control, known, seen, work)
         log_body(body[0], log.body[k])
         log_wheels(wheels, log.wheels[k])
-        say(control[0], known, seen, log.said[k], log.seen[k])
+        say(control[0], known, seen, log.controlled[k], log.seen[k])
         advance(plant, body, wheels, signals, noise[k])
     control[0].ended = path_ending(control[0], task.path)
     return len(log.body)

@@ -134,23 +134,23 @@ def log_of(
 
     `told` are events that the caller knows of; `residual` (m, m) is `1 - D D^+` times the wheels' radii.
     """
-    m, said = len(names), log.said
+    m, controlled = len(names), log.controlled
     truth = truth_of(time, log.body, log.wheels, m)
     measured, reference, shunts, counts = (log.seen[:, row, :m] for row in range(4))
-    status = said["status"].astype(np.int64)
-    named, dead, jammed = (_members(said[name].astype(np.int64), m) for name in ("flagged", "dead", "jams"))
-    goal = float(said["ref_rate"][-1]) if len(said) else 1.0
-    events = [*told, *BaseWords(names, np.inf).events(0, said, truth.slip, goal)]
+    status = controlled["status"].astype(np.int64)
+    named, dead, jammed = (_members(controlled[name].astype(np.int64), m) for name in ("flagged", "dead", "jams"))
+    goal = float(controlled["ref_rate"][-1]) if len(controlled) else 1.0
+    events = [*told, *BaseWords(names, np.inf).events(0, controlled, truth.slip, goal)]
     return BaseLog(
         time=time,
         wheels=tuple(names),
         pose=truth.pose,
         twist=truth.twist,
-        estimated_pose=columns(said, "seen_x", "seen_y", "seen_theta"),
-        estimated_twist=columns(said, "seen_vx", "seen_vy", "seen_w"),
-        reference_pose=columns(said, "ref_x", "ref_y", "ref_theta"),
-        reference_twist=columns(said, "ref_vx", "ref_vy", "ref_w"),
-        rate=said["ref_rate"],
+        estimated_pose=columns(controlled, "seen_x", "seen_y", "seen_theta"),
+        estimated_twist=columns(controlled, "seen_vx", "seen_vy", "seen_w"),
+        reference_pose=columns(controlled, "ref_x", "ref_y", "ref_theta"),
+        reference_twist=columns(controlled, "ref_vx", "ref_vy", "ref_w"),
+        rate=controlled["ref_rate"],
         wheel_angles=truth.wheel_angles,
         counts=counts.astype(np.int64),
         wheel_speeds=truth.wheel_speeds,
@@ -169,8 +169,8 @@ def log_of(
         named=named,
         dead=dead,
         jammed=jammed,
-        gyro=said["gyro"],
-        acceleration=columns(said, "imu_x", "imu_y"),
+        gyro=controlled["gyro"],
+        acceleration=columns(controlled, "imu_x", "imu_y"),
         energy=truth.energy,
         events=tuple(sorted(events, key=lambda event: event.time)),
         ended=ended,

@@ -1,4 +1,4 @@
-"""What is said of a base while it drives: slip and lost motors as the controller finds them, and as they are."""
+"""Events of a base while it drives: slip and lost motors as the controller finds them, and as they are."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ GRIP = 50  # ms of grip after which a wheel has stopped slipping
 
 
 class BaseWords:
-    """Events from what a base's log says, buffer after buffer. Mutable state: what was said last.
+    """Events from what a base's log says, buffer after buffer. Mutable state: which text came last.
 
     Parameters
     ----------
@@ -30,26 +30,26 @@ class BaseWords:
 
     def __init__(self, wheels: Sequence[str], slips: float) -> None:
         self._wheels, self._limit = tuple(wheels), slips
-        self._said, self._silent = "", 0
+        self._last_text, self._silent = "", 0
         self._slipping = np.zeros(len(wheels), np.int64)  # ms for which each goes on slipping
         self._most = np.zeros(len(wheels))  # m/s, largest slip since it began
         self._lost = 0
 
-    def events(self, first: int, said: NDArray[np.void], slip: Array, goal: float) -> list[Event]:
+    def events(self, first: int, controlled: NDArray[np.void], slip: Array, goal: float) -> list[Event]:
         """Return what is new in a buffer, in order of time.
 
         Parameters
         ----------
         first
             Its first millisecond.
-        said
+        controlled
             (N,) `CONTROL_SAMPLE`.
         slip
             (N, m) true slip, m/s.
         goal
             Part of its speed at which a path is driven from now on.
         """
-        found = [*self._truth(first, slip), *self._slip(first, said), *self._motors(first, said, goal)]
+        found = [*self._truth(first, slip), *self._slip(first, controlled), *self._motors(first, controlled, goal)]
         return sorted(found, key=lambda event: event.time)
 
     def _truth(self, first: int, slip: Array) -> Iterator[Event]:
@@ -72,26 +72,26 @@ class BaseWords:
                         text = f"{name} grips, it slipped at up to {self._most[wheel]:.3f} m/s"
                         yield Event(1e-3 * (first + k), "debug", "truth", text)
 
-    def _slip(self, first: int, said: NDArray[np.void]) -> Iterator[Event]:
-        slips = (said["status"] == SlipStatus.SLIP) | (said["status"] == SlipStatus.AMBIGUOUS)
-        if not (slips.any() or self._said):
+    def _slip(self, first: int, controlled: NDArray[np.void]) -> Iterator[Event]:
+        slips = (controlled["status"] == SlipStatus.SLIP) | (controlled["status"] == SlipStatus.AMBIGUOUS)
+        if not (slips.any() or self._last_text):
             return
-        for k in range(len(said)):
+        for k in range(len(controlled)):
             self._silent = 0 if slips[k] else self._silent + 1
             if slips[k]:
-                text = _slip_text(self._members(int(said["flagged"][k])))
-                if text != self._said:
+                text = _slip_text(self._members(int(controlled["flagged"][k])))
+                if text != self._last_text:
                     yield Event(1e-3 * (first + k), "warning", "slip detection", text)
-                self._said = text
-            elif self._said and self._silent >= PAUSE:
+                self._last_text = text
+            elif self._last_text and self._silent >= PAUSE:
                 yield Event(1e-3 * (first + k), "info", "slip detection", "no wheel slips any more")
-                self._said = ""
+                self._last_text = ""
 
-    def _motors(self, first: int, said: NDArray[np.void], goal: float) -> Iterator[Event]:
-        lost = said["dead"].astype(np.int64)
+    def _motors(self, first: int, controlled: NDArray[np.void], goal: float) -> Iterator[Event]:
+        lost = controlled["dead"].astype(np.int64)
         for k in np.flatnonzero(np.diff(lost, prepend=self._lost)):
             for name in self._members(int(lost[k] & ~self._lost)):
-                jammed = name in self._members(int(said["jams"][k]))
+                jammed = name in self._members(int(controlled["jams"][k]))
                 text = f"the motor of {name} does not do as told; {_go_on(jammed, goal)}"
                 yield Event(1e-3 * (first + k), "error", "motor watch", text)
             self._lost |= int(lost[k])

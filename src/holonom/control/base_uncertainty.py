@@ -44,7 +44,7 @@ class UncertaintySettings:
         Creep of wheels that push against constant drag, m/s along the way.
     scale
         Part of the way, constant: wheels of another size than known.
-    push_creep
+    force_creep
         Creep per acceleration ahead and to the left, s: a base at a velocity has lagged behind by this times it.
     turn_square
         Turning rate that wheels show falsely per square of acceleration, rad/s per (m/s^2)^2: loads shift, and wheels
@@ -67,7 +67,7 @@ class UncertaintySettings:
     drift: float = 4e-4
     drag_creep: float = 0.0
     scale: float = 0.0
-    push_creep: tuple[float, float] = (0.0, 0.0)
+    force_creep: tuple[float, float] = (0.0, 0.0)
     turn_square: float = 0.0
     turn_lean: tuple[float, float] = (0.0, 0.0)
 
@@ -93,8 +93,8 @@ class UncertaintySettings:
             drift=self.drift,
             drag_creep=self.drag_creep,
             scale=self.scale,
-            push_creep=0.5 * (self.push_creep[0] + self.push_creep[1]),
-            push_more=0.5 * (self.push_creep[0] - self.push_creep[1]),
+            force_creep=0.5 * (self.force_creep[0] + self.force_creep[1]),
+            force_creep_difference=0.5 * (self.force_creep[0] - self.force_creep[1]),
             turn_square=self.turn_square,
             turn_lean_x=self.turn_lean[0],
             turn_lean_y=self.turn_lean[1],
@@ -152,25 +152,25 @@ class PoseUncertainty:
         ShapeError
         """
         rows = (np.ascontiguousarray(x, dtype=np.float64) for x in (pose, twist, acceleration))
-        poses, twists, pushes, out = _checked(*rows)
-        _along(self._params, poses, twists, pushes, out, self._constants, self._noise)
+        poses, twists, forces, out = _checked(*rows)
+        _along(self._params, poses, twists, forces, out, self._constants, self._noise)
         return out
 
 
-def _checked(poses: Array, twists: Array, pushes: Array) -> tuple[Array, Array, Array, Array]:
+def _checked(poses: Array, twists: Array, forces: Array) -> tuple[Array, Array, Array, Array]:
     """Return the rows, and an array for their covariances."""
     count = len(poses)
-    if (poses.shape, twists.shape, pushes.shape) != ((count, 3), (count, 3), (count, 2)):
-        raise ShapeError(f"pose {poses.shape}, twist {twists.shape}, acceleration {pushes.shape} came; give "
+    if (poses.shape, twists.shape, forces.shape) != ((count, 3), (count, 3), (count, 2)):
+        raise ShapeError(f"pose {poses.shape}, twist {twists.shape}, acceleration {forces.shape} came; give "
                          "(N, 3), (N, 3) and (N, 2)")  # fmt: skip
-    return poses, twists, pushes, np.empty((count, 3, 3))
+    return poses, twists, forces, np.empty((count, 3, 3))
 
 
 @loop(error_model="numpy")
 def _along(
-    params: UncertaintyParams, pose: Array, twist: Array, push: Array, out: Array, constants: Array, noise: Array
+    params: UncertaintyParams, pose: Array, twist: Array, force: Array, out: Array, constants: Array, noise: Array
 ) -> None:
     for k in range(len(pose)):
         now = Planar(twist[k, 0], twist[k, 1], twist[k, 2])
         pose_covariance(params, constants, noise, pose[k, 2], now, out[k])
-        uncertainty_step(params, constants, noise, pose[k, 2], now, Planar(push[k, 0], push[k, 1], 0.0))
+        uncertainty_step(params, constants, noise, pose[k, 2], now, Planar(force[k, 0], force[k, 1], 0.0))

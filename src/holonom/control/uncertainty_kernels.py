@@ -39,8 +39,8 @@ class UncertaintyParams(NamedTuple):
     drift: float  # m/s
     drag_creep: float  # m/s
     scale: float
-    push_creep: float  # s, the mean of both directions, and half of what it is more ahead than to the left
-    push_more: float
+    force_creep: float  # s, the mean of both directions, and half of what it is more ahead than to the left
+    force_creep_difference: float
     turn_square: float  # rad/s per (m/s^2)^2
     turn_lean_x: float  # rad/s per m/s^2
     turn_lean_y: float
@@ -75,7 +75,8 @@ def uncertainty_step(
             speed = math.sqrt(twist.x * twist.x + twist.y * twist.y + SLOW * SLOW)
             ahead, left = params.drag_creep * twist.x / speed, params.drag_creep * twist.y / speed
         elif j == PUSH:
-            ahead, left = params.push_more * acceleration.x, -params.push_more * acceleration.y
+            difference = params.force_creep_difference
+            ahead, left = difference * acceleration.x, -difference * acceleration.y
         elif j == SIZE:
             ahead, left = params.scale * twist.x, params.scale * twist.y
         elif j == SQUARE:
@@ -106,7 +107,7 @@ def pose_covariance(
     """
     s, c = sincos(heading)
     x, y = c * twist.x - s * twist.y, s * twist.x + c * twist.y
-    lag = (params.push_creep * x, params.push_creep * y, 0.0)
+    lag = (params.force_creep * x, params.force_creep * y, 0.0)
     for i in range(3):
         for k in range(3):
             total = noise[i, k]

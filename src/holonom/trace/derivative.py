@@ -95,34 +95,34 @@ def _rules(graph: Graph, i: int) -> Iterator[tuple[int, Push]]:
     op, *operands = graph.ops[i]
     y = Scalar(graph, i)
     x = [Scalar(graph, a) for a in operands] if op not in ("in", "const") else []  # type: ignore[arg-type]
-    pushes: list[Push] = []
+    forces: list[Push] = []
     match op:
         case "+":
-            pushes = [_same, _same]
+            forces = [_same, _same]
         case "-":
-            pushes = [_same, _minus]
+            forces = [_same, _minus]
         case "neg":
-            pushes = [_minus]
+            forces = [_minus]
         case "*":
-            pushes = [lambda d: d * x[1], lambda d: d * x[0]]
+            forces = [lambda d: d * x[1], lambda d: d * x[0]]
         case "/":
-            pushes = [lambda d: d / x[1], lambda d: -(d * (y / x[1]))]
+            forces = [lambda d: d / x[1], lambda d: -(d * (y / x[1]))]
         case "sqrt":
-            pushes = [lambda d: d * (0.5 / y)]
+            forces = [lambda d: d * (0.5 / y)]
         case "sin":
-            pushes = [lambda d: d * cos(x[0])]
+            forces = [lambda d: d * cos(x[0])]
         case "cos":
-            pushes = [lambda d: -(d * sin(x[0]))]
+            forces = [lambda d: -(d * sin(x[0]))]
         case "atan2":
             square = x[0] * x[0] + x[1] * x[1]
-            pushes = [lambda d: d * (x[1] / square), lambda d: -(d * (x[0] / square))]
+            forces = [lambda d: d * (x[1] / square), lambda d: -(d * (x[0] / square))]
         case "abs":
-            pushes = [lambda d: select(less(x[0], 0.0), -d, d)]
+            forces = [lambda d: select(less(x[0], 0.0), -d, d)]
         case "select":
             condition = Condition(graph, x[0].i)
             x = x[1:]
-            pushes = [lambda d: select(condition, d, 0.0), lambda d: select(condition, 0.0, d)]
-    return zip([a.i for a in x], pushes, strict=False)
+            forces = [lambda d: select(condition, d, 0.0), lambda d: select(condition, 0.0, d)]
+    return zip([a.i for a in x], forces, strict=False)
 
 
 def _same(d: Number) -> Number:

@@ -198,7 +198,7 @@ class BaseRig:
         slip = of_wheels(log.wheels, "slip", len(self.job.base.driven))
         for event in [
             *self._broken(1e-3 * (first + done)),
-            *self._words.events(first, log.said, slip, float(self.loop.controller.state["goal"][0])),
+            *self._words.events(first, log.controlled, slip, float(self.loop.controller.state["goal"][0])),
         ]:
             self._sink.put(event)
 

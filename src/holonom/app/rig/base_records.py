@@ -68,24 +68,30 @@ class BaseRecords:
 
     def put(self, first: int, log: LogBuffer, every: int = 10) -> None:
         """Record a buffer whose first millisecond is given."""
-        m, said = len(self._job.base.driven), log.said
+        m, control = len(self._job.base.driven), log.controlled
         true = truth_of(np.empty(0), log.body, log.wheels, m)
         measured_speed, reference, currents, counts = (log.seen[:, row, :m] for row in range(4))
-        seen, twist = columns(said, "seen_x", "seen_y", "seen_theta"), columns(said, "seen_vx", "seen_vy", "seen_w")
-        push = columns(said, "imu_x", "imu_y")
+        seen, twist = (
+            columns(control, "seen_x", "seen_y", "seen_theta"),
+            columns(control, "seen_vx", "seen_vy", "seen_w"),
+        )
+        push = columns(control, "imu_x", "imu_y")
         sure = self._sure.along(seen, twist, push)
         wanted = self._wanted + 1e-3 * (np.cumsum(reference, axis=0) - reference)
         if len(reference):
             self._wanted = wanted[-1] + 1e-3 * reference[-1]
         angle = self._motor * (counts + 0.5)
-        at = np.arange(-first % every, len(said), every)
+        at = np.arange(-first % every, len(control), every)
         T, wheels = _poses(true.pose[at]), wheel_poses_of(self._job, true.wheel_angles[at])
         believed, seen_wheels = _poses(seen[at]), wheel_poses_of(self._job, angle[at])
-        asked, commanded = columns(said, "ref_x", "ref_y", "ref_theta"), columns(said, "ref_vx", "ref_vy", "ref_w")
+        asked, commanded = (
+            columns(control, "ref_x", "ref_y", "ref_theta"),
+            columns(control, "ref_vx", "ref_vy", "ref_w"),
+        )
         residual, still, put = measured_speed[at] @ self._residual.T, np.zeros(m), self._sink.put
         for i, k in enumerate(at):
             t = 1e-3 * (first + k)
-            self._digital(t, said[k])
+            self._digital(t, control[k])
             put(EncoderCounts(t, counts[k].astype(np.int64)))
             put(JointState(t, angle[k], measured_speed[k], self._torque * currents[k]))
             put(JointCommand(t, wanted[k], reference[k], still))
@@ -95,17 +101,17 @@ class BaseRecords:
             put(BaseState(t, seen[k], twist[k], sure[k]))
             put(BaseCommand(t, asked[k], commanded[k]))
             put(BaseTruth(t, true.pose[k], true.twist[k]))
-            put(Inertial(t, float(said["gyro"][k]), push[k]))
+            put(Inertial(t, float(control["gyro"][k]), push[k]))
             put(WheelContact(t, true.forces[k], true.slip[k], residual[i]))
             put(FramePoses(t, ("base_link", *self._frames), np.concatenate([T[i, None], T[i] @ wheels[i]])))
             put(FrameTree(t, *self._tree, np.concatenate([np.eye(4)[None], believed[i, None], seen_wheels[i]])))
 
-    def _digital(self, t: float, said: NDArray[np.void]) -> None:
+    def _digital(self, t: float, control: NDArray[np.void]) -> None:
         """Signals of a base that is alone; of several robots only the cell has signals."""
         if self._job.name:
             return
-        slips = int(said["status"]) in (SlipStatus.SLIP, SlipStatus.AMBIGUOUS)
-        for number, on in ((SLIPS, slips), (LOST, bool(said["dead"]))):
+        slips = int(control["status"]) in (SlipStatus.SLIP, SlipStatus.AMBIGUOUS)
+        for number, on in ((SLIPS, slips), (LOST, bool(control["dead"]))):
             if self._signals.get(number) != on:
                 self._signals[number] = on
                 self._sink.put(Signal(t, number, on))

@@ -43,7 +43,7 @@ class DryMachine:
         self.arm, self.line = arm, line
         self.problems: list[Problem] = []
         self.moved = 0
-        self.said: list[str] = []
+        self.typed: list[str] = []
         self._q, self._ready, self._look, self._hand_time = q.copy(), ready, look, hand_time
         self._clock = 0.0
         self._moved_in_tick = False
@@ -126,4 +126,4 @@ class DryMachine:
     def say(self, text: str, line: int) -> None:
         """Keep what TYPE says."""
         del line
-        self.said.append(text)
+        self.typed.append(text)

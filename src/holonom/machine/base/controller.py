@@ -214,7 +214,7 @@ def _params(
         slip = slip_settings(settings.sensors, drive, float(radii.max()))
     slipping = slip_params(coupling, slip) if slip is not None else _no_slip_params(len(rows))
     motor, gear = drive.motor, drive.gear
-    push = motor.torque_constant * gear.ratio * gear.efficiency / radii
+    force_per_ampere = motor.torque_constant * gear.ratio * gear.efficiency / radii
     sliding = base.sliding_matrix()
     drivable = base.feasible(np.eye(3)).T
     drivable[np.abs(drivable) < 1e-12] = 0.0
@@ -231,7 +231,7 @@ def _params(
         residual=np.eye(len(rows)) - coupling.velocity @ inverse,
         inverse=np.ascontiguousarray(inverse),
         quiet=_quiet(slip, slipping),
-        push=np.append(push / (loads * creep.grip), np.zeros(-len(rows) % WIDTH)),
+        grip_per_ampere=np.append(force_per_ampere / (loads * creep.grip), np.zeros(-len(rows) % WIDTH)),
         creep=creep.slope * creep.grip,
         mass=mass,
         inertia=base.alpha * mass * base.radius**2,

@@ -114,23 +114,23 @@ def _sense(params: BaseParams, signals: WheelSignals, wheels: Records, states: R
         own = packed(states[i])
         sense(wheels[i], states[i], signals.counters, load(signals.currents, i), i)
         store(work.rims, i, own.rim)
-        store(work.gripping, i, own.rim - creep(params.creep, load(params.push, i) * own.measured_current))
+        store(work.gripping, i, own.rim - creep(params.creep, load(params.grip_per_ampere, i) * own.measured_current))
     for i in range(len(params.rows), len(params.estimate_rows)):
         work.rims[i] = 0.0
 
 
 @loop(error_model="numpy", forceinline=True)
 def _detect(params: BaseParams, base: Any, work: Work) -> None:
-    """Ask the slip detector, but where all is calm."""
-    if params.detect and not (base.calm != 0 and _square(params.residual, work.gripping) <= params.quiet):
-        if base.calm != 0:
+    """Ask the slip detector, but while all wheels are known to grip."""
+    if params.detect and not (base.steady != 0 and _square(params.residual, work.gripping) <= params.quiet):
+        if base.steady != 0:
             _keep_slip(base.slip, _no_slip(params.inverse, work.last))
         work.acceleration[0], work.acceleration[1] = base.imu_x, base.imu_y
         wheels = work.gripping[: len(params.rows)]
         after, found = slip_step(params.slip, base.slip, wheels, base.gyro - base.gyro_bias, work.acceleration)
         _keep_slip(base.slip, after)
         base.status, base.flagged = found.status, found.named
-        base.calm = 1 if params.quiet >= 0.0 and after.level == 0 and after.held_slack == 0.0 else 0
+        base.steady = 1 if params.quiet >= 0.0 and after.level == 0 and after.held_slack == 0.0 else 0
     work.last[:] = work.gripping
 
 
@@ -223,10 +223,10 @@ def _drive(
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])
         own.rim_reference = rim_speed(wheel, command)
-        push = part * rim_force(own, force)
+        rim = part * rim_force(own, force)
         if params.control_traction:
-            push = control_traction(params.traction, wheel, own, rim_speed(wheel, twist), push)
-        wheel_voltage(wheel, own, push, rim_speed(wheel, wanted))
+            rim = control_traction(params.traction, wheel, own, rim_speed(wheel, twist), rim)
+        wheel_voltage(wheel, own, rim, rim_speed(wheel, wanted))
         store(signals.voltages, i, own.voltage)
         store(signals.speeds, i, own.works * own.rim_reference / wheel.radius)
 

@@ -27,7 +27,7 @@ class BaseParams(NamedTuple):
     residual: Array  # (m, m) 1 - D D^+
     inverse: Array  # (3, m) D^+: (vx, vy, R w) per rim speed
     quiet: float  # square sum of the residual, (m/s)^2, up to which nothing slips; below 0: ask the detector always
-    push: Array  # (m,) part of its grip that a motor pushes with per ampere; zeros up to whole fours
+    grip_per_ampere: Array  # (m,) part of its grip that a motor pushes with per ampere; zeros up to whole fours
     creep: float  # m/s that a wheel slips with all its grip, were it to grow linearly
     mass: float
     inertia: float

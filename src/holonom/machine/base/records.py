@@ -77,7 +77,7 @@ CONTROL_STATE = padded(
         ("named", I),  # those of them that estimate and allocation go by
         ("dead", I),  # motors that are lost
         ("jams", I),  # those of them that are jammed
-        ("calm", I),  # 1: nothing slips, and the slip detector need not be asked
+        ("steady", I),  # 1: nothing slips, and the slip detector need not be asked
         ("mode", I),
         ("ended", I),  # how the path ended: RUNNING, DONE, STOPPED
         ("phase", F),  # on the path, samples

@@ -35,7 +35,7 @@ def pose_uncertainty(
         bias_time=estimate.bias_time,
         drift=abs(sensors.accelerometer_bias) / estimate.bandwidth,
         drag_creep=max(ahead, left) * GRAVITY * drive.roller_drag,
-        push_creep=(ahead, left),
+        force_creep=(ahead, left),
         turn_square=float(np.abs(even).max()),
         turn_lean=(float(abs(odd[0])), float(abs(odd[PARTS // 4]))),
     )

@@ -28,12 +28,12 @@ def plant_kernel(model: ArmModel) -> Kernel:
     def equation(q: Vector, qd: Vector, tau: Vector, payload: Vector, ground: Vector) -> tuple[Vector, Vector]:
         c = add(matvec(R_tool, payload[1:4]), p_tool)
         loaded = [*bodies[:-1], merged(bodies[-1], point_mass(payload[0], c))]
-        push = _ground_force(model, q, qd, ground)
+        contact = _ground_force(model, q, qd, ground)
         R_wt, _ = kinematics.frames(model, q)[-1]
         # The ground pushes the tool up: the arm exerts the opposite on its environment.
-        wrench = [*tvec(R_wt, [0.0, 0.0, -push]), 0.0, 0.0, 0.0]
+        wrench = [*tvec(R_wt, [0.0, 0.0, -contact]), 0.0, 0.0, 0.0]
         qdd = forward_dynamics.forward_dynamics(model, loaded, q, qd, tau, wrench_tool=wrench)
-        return qdd, [push]
+        return qdd, [contact]
 
     return compile(
         equation,
