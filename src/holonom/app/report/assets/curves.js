@@ -31,7 +31,7 @@ class Plot {
     const number = (_, value) => (value == null ? "–" : value.toFixed(Math.abs(value) < 10 ? 2 : 1).replace(/^-(0\.0+)$/, "$1"));
     return {
       width: this.box.clientWidth, height: 230,
-      scales: { x: { time: false } },
+      scales: { x: { time: false }, y: { range: (_, low, high) => room(low, high) } },
       axes: [
         { ...axis, size: 30, space: 62, values: (_, ticks) => ticks.map((tick) => `${+tick.toFixed(3)} s`) },
         { ...axis, size: 58 },
@@ -62,6 +62,13 @@ class Plot {
 }
 
 const plots = [];
+
+/** What an axis shows of values from `low` to `high`; of those that stay as they are, one to either side. */
+function room(low, high) {
+  if (low == null || high - low < 1e-9) return [(low ?? 0) - 1, (high ?? 0) + 1];
+  return vendor.uPlot.rangeNum(low, high, 0.1, true);
+}
+
 const dark = window.matchMedia("(prefers-color-scheme: dark)");
 dark.addEventListener("change", () => { for (const { chart } of plots) chart.redraw(); });
 

@@ -96,9 +96,9 @@ class Flat {
   pane(pane, box, solids) {
     const c = this.context, { low, high } = this.room, { right, up, toward, sign = 1 } = pane;
     const spans = [right, up].map((axis) => Math.max(high[axis] - low[axis], 0.05));
-    const scale = Math.min((box.w - 70) / spans[0], (box.h - 100) / spans[1]);
+    const scale = Math.min((box.w - 70) / spans[0], (box.h - 130) / spans[1]);
     const x0 = box.x + box.w / 2 - (scale * (low[right] + high[right])) / 2;
-    const y0 = box.y + box.h / 2 + 6 + (scale * (low[up] + high[up])) / 2;
+    const y0 = box.y + box.h / 2 - 6 + (scale * (low[up] + high[up])) / 2;
     const at = (p) => [x0 + scale * p[right], y0 - scale * p[up]];
     c.save();
     c.beginPath();
@@ -121,13 +121,13 @@ class Flat {
     c.textAlign = "center";
     for (let v = Math.ceil(low[right] / step) * step; v <= high[right] + 1e-9; v += step) {
       const [x] = at({ [right]: v, [up]: low[up] });
-      this.stroke([[x, box.y + 44], [x, box.y + box.h - 30]]);
-      c.fillText(number(v), x, box.y + box.h - 20);
+      this.stroke([[x, box.y + 44], [x, box.y + box.h - 56]]);
+      c.fillText(number(v), x, box.y + box.h - 46);
     }
     c.textAlign = "left";
     for (let v = Math.ceil(low[up] / step) * step; v <= high[up] + 1e-9; v += step) {
       const [, y] = at({ [right]: low[right], [up]: v });
-      this.stroke([[box.x + 42, y], [box.x + box.w - 8, y]]);
+      this.stroke([[box.x + 50, y], [box.x + box.w - 8, y]]);
       c.fillText(number(v), box.x + 6, y);
     }
     c.font = "600 12px system-ui, sans-serif";
@@ -179,8 +179,7 @@ function solids(shape) {
   const { kind, colour } = shape;
   if (kind === "tube") {
     const start = new vendor.Vector3(...shape.start), end = new vendor.Vector3(...shape.end);
-    const length = start.distanceTo(end), radius = Math.max(shape.radius, shape.end_radius ?? 0);
-    if (shape.rounded || length > 3 * radius) return [{ points: [shape.start, shape.end], radius, colour, text: "" }];
+    if (shape.rounded) return [{ points: [shape.start, shape.end], radius: shape.radius, colour }];
     return [{ points: rings(start, end, shape.radius, shape.end_radius ?? shape.radius), colour }];
   }
   if (kind === "box") {

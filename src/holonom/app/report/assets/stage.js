@@ -176,7 +176,7 @@ class Stage {
     const floor = new vendor.Mesh(
       new vendor.PlaneGeometry(wide * 2, wide * 2), new vendor.ShadowMaterial({ opacity: 0.16 }));
     floor.receiveShadow = true;
-    const grid = new vendor.GridHelper(wide, wide > 6 ? wide : 24, "#c3ccd8", "#d9e0e8");
+    const grid = new vendor.GridHelper(wide, wide > 6 ? wide : 24, ...(dark.matches ? ["#46566b", "#36445a"] : ["#c3ccd8", "#d9e0e8"]));
     grid.rotation.x = Math.PI / 2;
     grid.position.z = -0.001;
     this.scene.add(floor, grid);

@@ -15,6 +15,8 @@ __all__ = ["Box", "Place", "Room", "text_size"]
 CELL = 5.0
 """Width of the squares by which it is known where lines are, in the drawing's units."""
 AWAY = (11.0, 18.0, 28.0, 42.0, 60.0, 84.0, 112.0)
+WIDE = 60.0
+"""Reach of what is named, from which on a line joins it to its name."""
 DIRECTIONS = ((1, 0), (-1, 0), (0, -1), (0, 1), (1, -1), (1, 1), (-1, -1), (-1, 1))
 """Sides on which a name is tried, in this order."""
 
@@ -88,7 +90,7 @@ class Room:
         a = float(np.clip(a, 0.5 * wide, max(self._width - 0.5 * wide, 0.5 * wide)))
         b = float(np.clip(b, 0.5 * high, max(self._height - 0.5 * high, 0.5 * high)))
         self._taken.append(_around(a, b, size))
-        return Place(a, b, away > AWAY[1])
+        return Place(a, b, away > AWAY[1] or clear > WIDE)
 
     def cost(self, box: Box) -> float:
         """What a name would cover: other names above all, then lines; what is not in the drawing at all."""

@@ -72,8 +72,7 @@ def _values(values: Sequence[tuple[str, float]], lines: Sequence[Array]) -> list
     angles = [math.radians(degrees) for degrees in (-22.5, 22.5, 157.5, -157.5, 67.5, -67.5, 112.5, -112.5)]
     best = min(angles, key=lambda angle: sum(room.cost(box) for box in boxes(angle)))
     return [
-        html('<text class="value" x="{:.1f}" y="{:.1f}">{}</text>', *_at(best, radius), text)
-        for text, radius in values
+        html('<text class="value" x="{:.1f}" y="{:.1f}">{}</text>', *_at(best, radius), text) for text, radius in values
     ]
 
 

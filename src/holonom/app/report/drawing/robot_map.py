@@ -10,7 +10,16 @@ import numpy as np
 from holonom.app.report.markup import Html, html, joined
 from holonom.arrays import Array
 
-__all__ = ["LEGEND", "MapRobot", "RobotOutline", "WheelOutline", "robot_corners", "robot_svg", "wheel_places"]
+__all__ = [
+    "LEGEND",
+    "MapRobot",
+    "RobotOutline",
+    "WheelOutline",
+    "robot_corners",
+    "robot_strokes",
+    "robot_svg",
+    "wheel_places",
+]
 
 SKIN, WHEEL, IDLE, SUPPORT, MASS, CENTRE = "#64748b", "#33415c", "#94a3b8", "#9c6f00", "#c2255c", "#5f3dc4"
 LEGEND = (
@@ -64,7 +73,21 @@ Placing = Callable[[Array], Array]
 def robot_corners(robot: MapRobot) -> Array:
     """Points (N, 2) of all that is drawn of a robot, in the world."""
     parts = [robot.outline.skin, _arrow(robot.outline), *map(_tread, robot.outline.wheels)]
-    return np.concatenate([_turned(robot.pose, part) for part in parts])
+    centre = [] if robot.centre is None else [np.array([robot.centre])]
+    return np.concatenate([*(_turned(robot.pose, part) for part in parts), *centre])
+
+
+def robot_strokes(robot: MapRobot) -> list[Array]:
+    """Lines (N, 2) in the world that names keep clear of: outlines, arrow, and wheels, filled."""
+    outline = robot.outline
+    lines = [np.concatenate([outline.skin, outline.skin[:1]]), _arrow(outline)]
+    for wheel in outline.wheels:
+        tread = _tread(wheel)
+        ends = np.linspace(tread[: len(tread) // 2], tread[: len(tread) // 2 - 1 : -1], 5)
+        lines += list(ends)
+    if outline.support is not None:
+        lines.append(np.concatenate([outline.support, outline.support[:1]]))
+    return [_turned(robot.pose, line) for line in lines]
 
 
 def wheel_places(robot: MapRobot) -> list[tuple[str, Array]]:
@@ -120,7 +143,7 @@ def _arrow(outline: RobotOutline) -> Array:
     """From the origin forwards (5, 2): start and end of the shaft, then the head's other corners and its middle."""
     front = float(np.max(outline.skin[:, 0]))
     size = max(front, 0.3 * float(np.ptp(outline.skin[:, 0])))
-    tip, back, half = front + 0.35 * size, front + 0.08 * size, 0.14 * size
+    tip, back, half = front + 0.26 * size, front + 0.06 * size, 0.1 * size
     return np.array([[0.0, 0.0], [back, 0.0], [back, half], [tip, 0.0], [back, -half]])
 
 

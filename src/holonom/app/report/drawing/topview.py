@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from holonom.app.report.drawing.labels import Room, text_size
-from holonom.app.report.drawing.robot_map import LEGEND, MapRobot, robot_corners, robot_svg, wheel_places
+from holonom.app.report.drawing.labels import Box, Room, text_size
+from holonom.app.report.drawing.robot_map import LEGEND, MapRobot, robot_corners, robot_strokes, robot_svg, wheel_places
 from holonom.app.report.markup import Html, colour, html, joined
 from holonom.arrays import Array
 
@@ -79,21 +79,16 @@ class _Sheet:
         x, y = _MARGIN[0] + self.scale * flat[..., 0], self.height - _MARGIN[0] + 14 - self.scale * flat[..., 1]
         return np.stack([x, y], -1)
 
-    def shows(self, point: tuple[float, float]) -> bool:
-        """Whether a place of the world is on the page."""
-        return bool(np.all(np.array(point) >= self.low) and np.all(np.array(point) <= self.high))
-
 
 def topview_svg(view: TopView) -> Html:
     """The map, with a metre's grid; names stand where they cover neither each other nor the paths."""
     sheet = _sheet(view)
-    robots = [r if r.centre is None or sheet.shows(r.centre) else replace(r, centre=None) for r in view.robots]
     drawn = [_grid(sheet)]
     drawn += [_patch(patch, sheet.place(patch.corners)) for patch in view.patches]
-    drawn += [robot_svg(robot, sheet.place) for robot in robots]
+    drawn += [robot_svg(robot, sheet.place) for robot in view.robots]
     drawn += [_line(line, sheet.place(line.points)) for line in view.lines]
     drawn += [_mark(mark, sheet.place(np.array(mark.place))) for mark in view.marks]
-    drawn += _names(view, robots, sheet)
+    drawn += _names(view, sheet)
     return html(
         '<svg viewBox="0 0 {:g} {:.0f}" role="img" aria-label="{}">{}</svg>',
         sheet.width, sheet.height, view.title, joined(drawn),
@@ -110,7 +105,7 @@ def legend_of(view: TopView) -> list[tuple[str, str]]:
         "driven wheel": any(wheel.driven for outline in outlines for wheel in outline.wheels),
         "support polygon": any(outline.support is not None for outline in outlines),
         "centre of mass": any(outline.com is not None for outline in outlines),
-        "centre of rotation": any(r.centre is not None and _sheet(view).shows(r.centre) for r in view.robots),
+        "centre of rotation": any(robot.centre is not None for robot in view.robots),
     }
     return [*lines, *((name, own) for name, own in LEGEND if there[name])]
 
@@ -180,16 +175,17 @@ def _mark(mark: MapMark, at: Array) -> Html:
     return html('<circle cx="{:.1f}" cy="{:.1f}" r="4.5" style="fill:{}"/>', *at, colour(mark.colour))
 
 
-def _names(view: TopView, robots: Sequence[MapRobot], sheet: _Sheet) -> list[Html]:
+def _names(view: TopView, sheet: _Sheet) -> list[Html]:
     """Names of marks, robots, their wheels, and patches, in this order of worth."""
     room = Room(sheet.width, sheet.height - _MARGIN[0] + 14)
+    room.take(Box(0.0, 0.0, _MARGIN[0] - 4, sheet.height))  # the ticks' numbers
     for line in view.lines:
         room.cross(_thin(sheet.place(line.points)))
-    for robot in robots:
-        skin = sheet.place(robot_corners(robot))
-        room.cross(np.concatenate([skin, skin[:1]]))
+    for robot in view.robots:
+        for stroke in robot_strokes(robot):
+            room.cross(sheet.place(stroke))
     texts = [_name(mark.name, sheet.place(np.array(mark.place)), room, "mark") for mark in view.marks]
-    for robot in robots:
+    for robot in view.robots:
         clear = sheet.scale * float(np.hypot(*robot.outline.skin.T).max())
         texts += [_name(robot.name, sheet.place(robot.pose[:2]), room, "mark", clear=clear)] if robot.name else []
         texts += [_name(text, sheet.place(at), room, "") for text, at in wheel_places(robot) if robot.named]

@@ -20,6 +20,10 @@ PAD = 0.08
 """Skin around the wheels, over the base's radius."""
 MOST = 5000
 """Poses that are looked through along a path."""
+APART = 2.0
+"""Between two places at which a base is drawn, over its radius."""
+REACH = 8.0
+"""How far off a centre of rotation is drawn, over the base's radius."""
 STILL = 0.02
 """rad/s below which a base does not turn."""
 
@@ -58,7 +62,7 @@ def margin_of(base: WheelBase) -> float | None:
         return None
 
 
-def stations(base: WheelBase, recording: Recording, time: Array, pose: Array, *, count: int = 6) -> list[MapRobot]:
+def stations(base: WheelBase, recording: Recording, time: Array, pose: Array, *, most: int = 6) -> list[MapRobot]:
     """The base at its start, its end and a few places between, as far apart along its path (N, 3) as it goes.
 
     `time` (N,) are the times of its poses; where its twist was recorded it has its centre of rotation.
@@ -66,14 +70,20 @@ def stations(base: WheelBase, recording: Recording, time: Array, pose: Array, *,
     some = np.unique(np.linspace(0, len(time) - 1, min(len(time), MOST)).astype(int))
     time, pose = time[some], pose[some]
     way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(pose[:, :2], axis=0).T))])
-    far = way[-1] > 1.5 * base.radius
+    count = min(most, 1 + int(way[-1] / (APART * base.radius)))
+    far = count > 1
     at = np.searchsorted(way, np.linspace(0.0, way[-1], count)).clip(0, len(time) - 1) if far else [len(time) - 1]
     castors = castors_along(base, pose)
     names = [f"{time[k]:.1f} s" for k in at]
     if far:
         names[0], names[-1] = "start", f"end, {time[-1]:.1f} s"
     return [
-        MapRobot(outline_of(base, castors[k]), pose[k], name, _centre(recording, float(time[k]), pose[k]))
+        MapRobot(
+            outline_of(base, castors[k]),
+            pose[k],
+            name,
+            _centre(recording, float(time[k]), pose[k], REACH * base.radius),
+        )
         for k, name in zip(at, names, strict=True)
     ]
 
@@ -95,15 +105,17 @@ def castors_along(base: WheelBase, pose: Array) -> Array:
     return turned
 
 
-def _centre(recording: Recording, time: float, pose: Array) -> tuple[float, float] | None:
-    """Centre of rotation in the world; None of a base that does not turn, or of which no twist is known."""
+def _centre(recording: Recording, time: float, pose: Array, reach: float) -> tuple[float, float] | None:
+    """Centre of rotation in the world; None where it is out of reach, at infinity, or no twist is known."""
     track = recording.true_base if len(recording.true_base.time) else recording.base
     if not len(track.time) or track.twist.shape[1:] != (3,):
         return None
     twist = track.twist[min(int(np.searchsorted(track.time, time)), len(track.time) - 1)]
     if abs(twist[2]) < STILL:
         return None
-    x, y = centre_of_twist(twist).point
+    x, y = (float(v) for v in centre_of_twist(twist).point)
+    if not np.hypot(x, y) <= reach:
+        return None
     c, s = np.cos(pose[2]), np.sin(pose[2])
     return float(pose[0] + c * x - s * y), float(pose[1] + s * x + c * y)
 

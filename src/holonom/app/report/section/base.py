@@ -36,7 +36,7 @@ def _rows(base: WheelBase) -> list[tuple[str, ...]]:
     return [
         (
             wheel.name, wheel.kind, f"{1e3 * wheel.x:.0f} mm", f"{1e3 * wheel.y:.0f} mm",
-            f"{np.degrees((wheel.heading + np.pi) % (2.0 * np.pi) - np.pi):.0f}°", f"{1e3 * wheel.radius:.0f} mm",
+            f"{180.0 - (180.0 - np.degrees(wheel.heading)) % 360.0:.0f}°", f"{1e3 * wheel.radius:.0f} mm",
             "yes" if wheel.driven else "no",
         )
         for wheel in base.wheels
@@ -49,7 +49,8 @@ def _note(base: WheelBase) -> str:
         return "Its wheels span no area: it has to balance."
     if base.mass is None:
         return "Nothing is known of its mass."
-    return f"{base.mass:g} kg; the centre of mass lies {1e3 * margin:.0f} mm within the support polygon."
+    where = f"{1e3 * abs(margin):.0f} mm {'within' if margin >= 0.0 else 'outside'} the support polygon"
+    return f"{base.mass:g} kg; the centre of mass lies {where}."
 
 
 def _applies(source: Source) -> bool:
