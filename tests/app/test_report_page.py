@@ -24,10 +24,13 @@ from holonom.app.report import Detection, LimitUse, Outcome, PhotoOverlay, Scene
 from holonom.app.report.drawing.event_log import event_rows, events_html
 from holonom.app.report.drawing.figures import Figures, Table, figures_html
 from holonom.app.report.drawing.limit_table import LimitGroups, LimitTable, limit_groups_html
+from holonom.app.report.findings import headline
 from holonom.app.report.findings.facts import Ending
 from holonom.app.report.markup import Html, colour, html, joined, script_json
 from holonom.app.report.parts import CurveGroup
 from holonom.app.report.reporting import report_html
+from holonom.app.report.section import faults, polar
+from holonom.app.report.section import path as path_section
 from holonom.app.report.section_table import REPORT_SECTIONS, Section
 from holonom.app.report.source import source_of
 from holonom.registry import OWN, Method
@@ -130,11 +133,22 @@ def test_a_section_that_fails_leaves_the_others(how: str, tmp_path: Path, monkey
     monkeypatch.setattr(section_table, "REPORT_SECTIONS", registry.Table("report_sections", "section", "", rows))
     page = report_html(source_of(of_arm(tmp_path, done())))
     assert sections(page) == ["mine", "robots", "curves", "limits", "log"]
+    assert embedded(page)[0]["curves"]
     said = re.search(r'<section id="mine" class="card unshown">.*?</section>', page, re.DOTALL)[0]
     assert "could not be made" in said
     if how != "drawing":
         assert "ZeroDivisionError: a &lt;bug&gt; is here" in said
     assert "second line" not in said
+
+
+def test_a_base_that_cannot_be_judged_still_has_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its findings fail in the head and in every section that is made of them; the others are there."""
+    source = source_of(write(tmp_path / "recording.mcap", job_of(base_job()), {"": list(base_records())}, done()))
+    for module in (headline, path_section, faults, polar):
+        monkeypatch.setattr(module, "findings_of", broken)
+    page = report_html(source)
+    assert re.findall('<section id="([^"]*)" class="card unshown"', page) == ["robots", "path", "faults", "polar"]
+    assert {"base", "curves", "limits"} < set(sections(page))
 
 
 # ---------------------------------------------------------------- text is text

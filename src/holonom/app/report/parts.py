@@ -63,6 +63,7 @@ def part_html(part: Part) -> Html:
         case Comparison():
             return comparison_html(part)
         case CurveGroup():
+            _check(part)
             return curves_html(part.curves, part.name, part.title)
         case EventLog():
             return events_html(part.events, part.robots)
@@ -95,6 +96,16 @@ def said(error: Exception) -> str:
 def curves_of(parts: Sequence[Part]) -> tuple[Curve, ...]:
     """All curves that the page's script is to draw."""
     return tuple(curve for part in parts if isinstance(part, CurveGroup) for curve in part.curves)
+
+
+def _check(group: CurveGroup) -> None:
+    """Of what the page's script is to draw nothing may be missing."""
+    for curve in group.curves:
+        if curve.values.shape != (len(curve.time), len(curve.names)):
+            raise ValueError(
+                f"curve {curve.key!r} has {len(curve.time)} times and {len(curve.names)} names for values of shape "
+                f"{curve.values.shape}"
+            )
 
 
 def _unshown(part: Unshown) -> Html:

@@ -11,6 +11,7 @@ from holonom.app.report.findings.headline import badge_of, headline_of
 from holonom.app.report.findings.summary import placed_parts, summary_of
 from holonom.app.report.findings.told import told
 from holonom.app.report.page import Head, page_html
+from holonom.app.report.parts import said
 from holonom.app.report.section_table import parts_of
 from holonom.app.report.source import Source, source_of
 
@@ -64,4 +65,12 @@ def _facts(source: Source) -> dict[str, str]:
         facts["Parts in their fields"] = f"{placed} of {len(source.cell.parts)}"
         if placed:
             facts["Time per part"] = f"{source.ending.simulated_time / placed:.2f} s"
-    return facts | headline_of(source.robots[0]) if source.alone else facts
+    return facts | _headline(source) if source.alone else facts
+
+
+def _headline(source: Source) -> dict[str, str]:
+    """What came of the only robot; where that cannot be told, why not, since the page below may hold the rest."""
+    try:
+        return headline_of(source.robots[0])
+    except Exception as error:
+        return {"Not to be told": said(error)}

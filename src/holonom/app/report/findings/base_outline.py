@@ -39,10 +39,14 @@ def base_of(robot: RobotFacts) -> WheelBase | None:
     )  # fmt: skip
 
 
-def outline_of(base: WheelBase, castors: Array | None = None) -> RobotOutline:
-    """Return its outline; `castors` (k,) are rad that its castors have turned."""
-    angles = iter(np.zeros(len(base.wheels)) if castors is None else castors)
-    turned = [float(next(angles)) if wheel.kind == "castor" else 0.0 for wheel in base.wheels]
+def outline_of(base: WheelBase, castors: Array | None = None, steering: Array | None = None) -> RobotOutline:
+    """Return its outline; `castors` and `steering` (k,) are rad that its castors and steered wheels have turned."""
+    none = np.zeros(len(base.wheels))
+    angles = {
+        "castor": iter(none if castors is None else castors),
+        "steered": iter(none if steering is None else steering),
+    }
+    turned = [float(next(angles[wheel.kind])) if wheel.kind in angles else 0.0 for wheel in base.wheels]
     wheels = [
         WheelOutline(
             wheel.name, (float(place[0]), float(place[1])), wheel.heading + angle, wheel.radius, wheel.driven,
@@ -74,17 +78,13 @@ def stations(base: WheelBase, recording: Recording, time: Array, pose: Array, *,
     far = count > 1
     at = np.searchsorted(way, np.linspace(0.0, way[-1], count)).clip(0, len(time) - 1) if far else [len(time) - 1]
     castors = castors_along(base, pose)
+    twists = [_twist(recording, float(time[k])) for k in at]
     names = [f"{time[k]:.1f} s" for k in at]
     if far:
         names[0], names[-1] = "start", f"end, {time[-1]:.1f} s"
     return [
-        MapRobot(
-            outline_of(base, castors[k]),
-            pose[k],
-            name,
-            _centre(recording, float(time[k]), pose[k], REACH * base.radius),
-        )
-        for k, name in zip(at, names, strict=True)
+        MapRobot(outline_of(base, castors[k], _steering(base, twist)), pose[k], name, _centre(base, twist, pose[k]))
+        for k, name, twist in zip(at, names, twists, strict=True)
     ]
 
 
@@ -105,16 +105,31 @@ def castors_along(base: WheelBase, pose: Array) -> Array:
     return turned
 
 
-def _centre(recording: Recording, time: float, pose: Array, reach: float) -> tuple[float, float] | None:
-    """Centre of rotation in the world; None where it is out of reach, at infinity, or no twist is known."""
+def _twist(recording: Recording, time: float) -> Array | None:
+    """Its twist (3,) at a time: the true one, else the one that it believed in; None where neither was recorded."""
     track = recording.true_base if len(recording.true_base.time) else recording.base
     if not len(track.time) or track.twist.shape[1:] != (3,):
         return None
-    twist = track.twist[min(int(np.searchsorted(track.time, time)), len(track.time) - 1)]
-    if abs(twist[2]) < STILL:
+    twist: Array = track.twist[min(int(np.searchsorted(track.time, time)), len(track.time) - 1)]
+    return twist
+
+
+def _steering(base: WheelBase, twist: Array | None) -> Array | None:
+    """Angles (k,) of its steered wheels that put their axles through the centre of rotation; None: as at rest."""
+    if twist is None or not base.steered or not np.any(np.abs(twist) > STILL):
+        return None
+    try:
+        return base.steering(twist)
+    except HolonomError:  # a twist that it cannot have
+        return None
+
+
+def _centre(base: WheelBase, twist: Array | None, pose: Array) -> tuple[float, float] | None:
+    """Centre of rotation in the world; None where it is out of reach, at infinity, or no twist is known."""
+    if twist is None or abs(twist[2]) < STILL:
         return None
     x, y = (float(v) for v in centre_of_twist(twist).point)
-    if not np.hypot(x, y) <= reach:
+    if not np.hypot(x, y) <= REACH * base.radius:
         return None
     c, s = np.cos(pose[2]), np.sin(pose[2])
     return float(pose[0] + c * x - s * y), float(pose[1] + s * x + c * y)
