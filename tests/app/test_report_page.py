@@ -293,3 +293,17 @@ def test_an_outcome_that_is_handed_in_has_its_colour(tmp_path: Path) -> None:
             tmp_path / "r.html", read_recording(tmp_path / "r.mcap"), Scene(()), title="t", outcome=Outcome(ok, "x")
         )
         assert f'<p class="outcome {tone}">x</p>' in (tmp_path / "r.html").read_text("utf-8")
+
+
+def test_a_loop_in_a_long_log_is_shown_once() -> None:
+    loop = ["MOVE a", "MOVE b", "MOVE b", "CLOSE"]
+    texts = ["READY", *loop * 30, "MOVE a", "STOP"]
+    events = [Event(0.1 * k, "info", "program", text, 1) for k, text in enumerate(texts)]
+    rows, numbers = event_rows(events)
+    assert [(row.event.text, row.count) for row in rows] == [
+        ("READY", 1), ("MOVE a", 30), ("MOVE b", 60), ("CLOSE", 30), ("MOVE a", 1), ("STOP", 1),
+    ]  # fmt: skip
+    assert [rows[number].event.text for number in numbers] == texts
+    assert rows[3].last == pytest.approx(0.1 * (4 * 30))
+    short, _ = event_rows(events[:13])  # as it came: there is no need
+    assert len(short) == 1 + 3 * 3

@@ -14,7 +14,11 @@ __all__ = ["EventRow", "event_rows", "events_html", "robot_of"]
 ROWS = 5000
 """Lines that the log shows."""
 MANY = 60
-"""Lines from which on those of several robots stand in groups."""
+"""Lines from which on those of several robots stand in groups, and loops are found."""
+LOOP = 40
+"""Lines of a loop at most."""
+Said = tuple[str, str, str, int]
+"""What makes two lines the same: level, source, text, program line."""
 
 
 @dataclass(slots=True)
@@ -34,21 +38,58 @@ def robot_of(event: Event, robots: Iterable[str]) -> str:
 
 
 def event_rows(events: Sequence[Event], robots: Iterable[str] = ()) -> tuple[list[EventRow], list[int]]:
-    """Lines, and for each event the number of its line: what a robot says again is no line of its own."""
+    """Lines, and for each event the number of its line.
+
+    What a robot says again is no line of its own; nor, of a robot that says much, a loop of lines that comes again.
+    """
     names = tuple(robots)
-    rows: list[EventRow] = []
-    numbers: list[int] = []
-    latest: dict[str, EventRow] = {}
-    for event in events:
-        robot = robot_of(event, names)
-        row = latest.get(robot)
-        if row is not None and _said(row.event) == _said(event):
-            row.count, row.last = row.count + 1, event.time
+    own: dict[str, list[int]] = {}
+    for k, event in enumerate(events):
+        own.setdefault(robot_of(event, names), []).append(k)
+    rows, numbers = dict[int, EventRow](), [0] * len(events)
+    for robot, indices in own.items():
+        firsts = _folded([_said(events[k]) for k in indices], LOOP if len(indices) > MANY else 1)
+        for k, first in zip(indices, firsts, strict=True):
+            row = rows.setdefault(indices[first], EventRow(0, events[indices[first]], robot, 0, 0.0))
+            row.count, row.last, numbers[k] = row.count + 1, events[k].time, indices[first]
+    ordered = sorted(rows)
+    for number, first in enumerate(ordered):
+        rows[first].number = number
+    return [rows[first] for first in ordered], [rows[first].number for first in numbers]
+
+
+def _folded(said: Sequence[Said], longest: int) -> list[int]:
+    """For each line the place of the one that it is shown as: its own, or where it stood in a loop that it repeats.
+
+    Loops are of `longest` lines at most; lines that come again at once are one in them.
+    """
+    places: list[int] = []
+    kept: list[int] = []
+    k = 0
+    while k < len(said):
+        for count in range(1, min(longest, len(kept)) + 1):
+            again = _repeated(said, k, kept[-count:])
+            if again:
+                places += again
+                k += len(again)
+                break
         else:
-            row = latest[robot] = EventRow(len(rows), event, robot, 1, event.time)
-            rows.append(row)
-        numbers.append(row.number)
-    return rows, numbers
+            places.append(k)
+            kept.append(k)
+            k += 1
+    return places
+
+
+def _repeated(said: Sequence[Said], k: int, loop: Sequence[int]) -> list[int]:
+    """Places in a loop of the lines from the k-th on that are all of it once more, each perhaps several times."""
+    places: list[int] = []
+    for place in loop:
+        if k == len(said) or said[k] != said[place]:
+            return []
+        while k < len(said) and said[k] == said[place]:
+            places.append(place)
+            k += 1
+    return places
 
 
 def events_html(events: Sequence[Event], robots: Sequence[str] = ()) -> Html:
@@ -64,7 +105,7 @@ def events_html(events: Sequence[Event], robots: Sequence[str] = ()) -> Html:
     )
 
 
-def _said(event: Event) -> tuple[str, str, str, int]:
+def _said(event: Event) -> Said:
     return event.level, event.source, event.text, event.line
 
 
