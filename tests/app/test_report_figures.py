@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import dataclasses
 import re
 
 import numpy as np
 import pytest
+from report_jobs import arm_job, base_job, job_of
 
-from holonom.app.recording import Recording
+from holonom.app.recording import FrameTrack, Recording
 from holonom.app.recording.tracks import Track
 from holonom.app.report import Figures, MapLine, MapMark, MapPatch, Polar, PolarLine, Table, TopView
+from holonom.app.report.attachments import cell_facts
 from holonom.app.report.drawing.figures import figures_html
 from holonom.app.report.drawing.labels import AWAY, Box, Room
 from holonom.app.report.drawing.polar import polar_svg
 from holonom.app.report.drawing.robot_map import MapRobot, robot_corners
 from holonom.app.report.drawing.topview import legend_of, topview_svg
 from holonom.app.report.findings.base_outline import castors_along, margin_of, outline_of, stations
+from holonom.app.report.findings.castor_frames import castor_frames
 from holonom.mobile import WheelBase, ackermann, differential, omni
 
 
@@ -123,6 +127,26 @@ def test_castors_trail_behind_their_pivots() -> None:
     outline = outline_of(base, turned[-1])
     place = next(np.array(w.place) for w in outline.wheels if w.pivot)
     assert np.hypot(place[0], place[1] - 1.0) == pytest.approx(track, abs=2e-3)
+
+
+def test_castors_of_the_replay_turn_with_those_on_the_map() -> None:
+    base, (_, time, pose) = tricycle(), circle()
+    half = 0.5 * pose[:, 2]
+    places = np.column_stack([pose[:, :2], 0.0 * time])
+    frame = FrameTrack(time, places, np.stack([0.0 * half, 0.0 * half, np.sin(half), np.cos(half)], axis=1))
+    job = dataclasses.replace(base_job("agv"), base=base)
+    facts = cell_facts(job_of(job, arm_job("puma"))).robots
+    found = castor_frames({"agv/base_link": frame, "puma/link1": frame}, facts)
+    assert set(found) == {"agv/castor_1"}
+    T = found["agv/castor_1"].poses()
+    offset = next(wheel.castor_offset for wheel in base.wheels if wheel.kind == "castor")
+    wheels = (T @ [offset, 0.0, 0.0, 1.0])[:, :2]
+    turned = castors_along(base, pose)
+    for k in (0, 100, 399):
+        castor = next(w for w in outline_of(base, turned[k]).wheels if w.pivot)
+        c, s = np.cos(pose[k, 2]), np.sin(pose[k, 2])
+        assert np.allclose(wheels[k], pose[k, :2] + np.array([[c, -s], [s, c]]) @ castor.place, atol=1e-9)
+    assert castor_frames({}, facts) == {}
 
 
 def test_a_base_stands_on_its_map_with_its_centre_of_rotation() -> None:
