@@ -37,8 +37,8 @@ class Flat {
     const rows = Math.max(1, ...[...this.tracks.values()].map((track) => track.array.rows));
     for (let k = 0; k <= 24; k++) {
       for (const track of this.tracks.values()) track.place(((rows - 1) * k) / 24);
-      for (const { points } of this.solids()) {
-        for (const point of points) {
+      for (const { points, ground } of this.solids()) {
+        for (const point of ground ? [] : points) {
           for (let c = 0; c < 3; c++) {
             low[c] = Math.min(low[c], point[c]);
             high[c] = Math.max(high[c], point[c]);
@@ -104,34 +104,46 @@ class Flat {
     c.beginPath();
     c.rect(box.x, box.y, box.w, box.h);
     c.clip();
-    this.axes(pane, box, at, scale);
+    const ticks = [this.ticks(right, scale), this.ticks(up, scale)];
+    this.grid(pane, box, at, ticks);
     const depth = (solid) => sign * Math.max(...solid.points.map((p) => p[toward]));
     for (const solid of [...solids].sort((a, b) => depth(a) - depth(b))) this.solid(solid, at, scale, pane);
     this.way(at);
+    this.numbers(pane, box, at, ticks);
     c.restore();
   }
 
-  axes(pane, box, at, scale) {
-    const c = this.context, style = getComputedStyle(document.documentElement);
-    const [line, soft] = ["--line", "--soft"].map((name) => style.getPropertyValue(name).trim());
-    const { low, high } = this.room, { right, up } = pane;
+  /** Round metres along an axis, far enough apart to be written. */
+  ticks(axis, scale) {
+    const { low, high } = this.room, found = [];
     const step = [0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100].find((s) => s * scale >= 56) ?? 200;
-    Object.assign(c, { strokeStyle: line, fillStyle: soft, lineWidth: 1, font: "11px system-ui, sans-serif", textBaseline: "middle" });
-    const number = (value) => `${+value.toFixed(2)} m`;
-    c.textAlign = "center";
-    for (let v = Math.ceil(low[right] / step) * step; v <= high[right] + 1e-9; v += step) {
+    for (let v = Math.ceil(low[axis] / step) * step; v <= high[axis] + 1e-9; v += step) found.push(v);
+    return found;
+  }
+
+  grid({ right, up }, box, at, [across, upwards]) {
+    const { low } = this.room;
+    Object.assign(this.context, { strokeStyle: ink("--line"), lineWidth: 1 });
+    for (const v of across) {
       const [x] = at({ [right]: v, [up]: low[up] });
       this.stroke([[x, box.y + 44], [x, box.y + box.h - 56]]);
-      c.fillText(number(v), x, box.y + box.h - 46);
     }
-    c.textAlign = "left";
-    for (let v = Math.ceil(low[up] / step) * step; v <= high[up] + 1e-9; v += step) {
+    for (const v of upwards) {
       const [, y] = at({ [right]: low[right], [up]: v });
       this.stroke([[box.x + 50, y], [box.x + box.w - 8, y]]);
-      c.fillText(number(v), box.x + 6, y);
     }
+  }
+
+  numbers({ name, right, up }, box, at, [across, upwards]) {
+    const c = this.context, { low } = this.room, number = (value) => `${+value.toFixed(2)} m`;
+    const write = (text, x, y) => { c.strokeText(text, x, y); c.fillText(text, x, y); };
+    Object.assign(c, { fillStyle: ink("--text"), strokeStyle: ink("--inset"), lineWidth: 3, lineJoin: "round" });
+    Object.assign(c, { font: "11px system-ui, sans-serif", textBaseline: "middle", textAlign: "center" });
+    for (const v of across) write(number(v), at({ [right]: v, [up]: low[up] })[0], box.y + box.h - 46);
+    c.textAlign = "left";
+    for (const v of upwards) write(number(v), box.x + 6, at({ [right]: low[right], [up]: v })[1]);
     c.font = "600 12px system-ui, sans-serif";
-    c.fillText(`${pane.name}: ${AXES[right]} to the right, ${AXES[up]} up`, box.x + 16, box.y + 22);
+    write(`${name}: ${AXES[right]} to the right, ${AXES[up]} up`, box.x + 16, box.y + 22);
   }
 
   stroke(points) {
@@ -187,7 +199,7 @@ function solids(shape) {
     for (const x of [-0.5, 0.5]) for (const y of [-0.5, 0.5]) for (const z of [-0.5, 0.5]) {
       points.push(moved(shape.pose, [x * shape.size[0], y * shape.size[1], z * shape.size[2]]));
     }
-    return [{ points, colour }];
+    return [{ points, colour, ground: shape.frame === "world" && shape.pose[2][3] < 0 }];
   }
   if (kind === "disc") {
     const half = new vendor.Vector3(0, 0, shape.thickness / 2);
