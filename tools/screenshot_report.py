@@ -26,8 +26,6 @@ OPTIONS = (
     "--disable-default-apps",
     "--disable-sync",
     "--hide-scrollbars",
-    "--enable-unsafe-swiftshader",
-    "--use-angle=swiftshader",
     "--host-resolver-rules=MAP * ~NOTFOUND",
 )
 
@@ -38,16 +36,24 @@ def browser_programs() -> tuple[str, str] | None:
     return (chromium, driver) if chromium and driver else None
 
 
+WEBGL, NO_WEBGL = ("--enable-unsafe-swiftshader", "--use-angle=swiftshader"), ("--disable-3d-apis",)
+
+
 @contextmanager
-def browser(width: int = 1280, height: int = 900) -> Iterator[webdriver.Chrome]:
-    """A fresh headless Chromium with WebGL in software and no way to a network."""
+def browser(width: int = 1280, height: int = 900, *, webgl: bool = True) -> Iterator[webdriver.Chrome]:
+    """A fresh headless Chromium with WebGL in software, or without any, and no way to a network."""
     programs = browser_programs()
     if programs is None:
         raise SystemExit("no chromium and chromedriver on the path; install both")
     with tempfile.TemporaryDirectory() as profile:
         options = webdriver.ChromeOptions()
         options.binary_location = programs[0]
-        for option in (*OPTIONS, f"--user-data-dir={profile}", f"--window-size={width},{height}"):
+        for option in (
+            *OPTIONS,
+            *(WEBGL if webgl else NO_WEBGL),
+            f"--user-data-dir={profile}",
+            f"--window-size={width},{height}",
+        ):
             options.add_argument(option)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         driver = webdriver.Chrome(options, webdriver.ChromeService(programs[1]))
@@ -56,6 +62,12 @@ def browser(width: int = 1280, height: int = 900) -> Iterator[webdriver.Chrome]:
             yield driver
         finally:
             driver.quit()
+
+
+def prefer(driver: webdriver.Chrome, scheme: str) -> None:
+    """Ask for "light" or "dark" pages."""
+    features = [{"name": "prefers-color-scheme", "value": scheme}]
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
 
 
 def open_report(driver: webdriver.Chrome, report: Path) -> None:
@@ -82,10 +94,13 @@ def main() -> None:
     parser.add_argument("--time", type=float, default=0.4, help="moment of the run, as a part of its length")
     parser.add_argument("--width", type=int, default=1280)
     parser.add_argument("--height", type=int, default=900)
+    parser.add_argument("--flat", action="store_true", help="without WebGL")
+    parser.add_argument("--dark", action="store_true", help="as who prefers dark pages sees it")
     parser.add_argument("--whole", action="store_true", help="the whole page, not only its top")
     parser.add_argument("--element", default="", help="only the element with this id, for instance 'view'")
     wish = parser.parse_args()
-    with browser(wish.width, wish.height) as driver:
+    with browser(wish.width, wish.height, webgl=not wish.flat) as driver:
+        prefer(driver, "dark" if wish.dark else "light")
         open_report(driver, wish.report)
         driver.execute_script(f"holonom.seek({wish.time} * holonom.state.end)")
         if wish.element:

@@ -192,9 +192,9 @@ def _tell(runs: list[Done], folder: RunFolder) -> Answer:
         The operator stopped it.
     """
     source = source_of(folder.path / RECORDING)
+    folder.write(REPORT, report_html(source))
     summary = summary_of(source)
     folder.write(SUMMARY, json.dumps(summary, indent=2, allow_nan=False) + "\n")
-    folder.write(REPORT, report_html(source))
     last, lines = runs[-1].ended, told(source, summary)
     if last.ending is Ending.FAILED and last.fault is not None:
         what = "\n".join([str(last.fault), *(f"  {line}" for line in lines[1:])])

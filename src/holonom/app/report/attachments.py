@@ -28,9 +28,9 @@ from holonom.mechanics import Arm
 from holonom.sim import Floor, RectangularPatch, RoundPatch
 
 if TYPE_CHECKING:
-    from holonom.app.job import ArmJob, BaseJob, Job
+    from holonom.app.job import ArmJob, BaseJob, Job, Obstacle
 
-__all__ = ["attachments_of", "cell_facts", "patch_corners"]
+__all__ = ["attachments_of", "cell_facts", "obstacle_corners", "patch_corners"]
 
 PROGRAM = "program.arps"
 
@@ -79,6 +79,7 @@ def cell_facts(job: Job, controller: int = -1, *, rated: Sequence[Arm] = (), pat
         patches=tuple(floor),
         fields=tuple(fields),
         parts=tuple(PartFacts(part.name, part.thickness) for part in job.parts),
+        obstacles=tuple(PatchFacts(one.name, _rows(obstacle_corners(one))) for one in job.obstacles),
     )
 
 
@@ -89,6 +90,22 @@ def patch_corners(patch: RectangularPatch | RoundPatch) -> Array:
     half = outline(Box((patch.length, patch.width, 0.0)))
     c, s = math.cos(patch.angle), math.sin(patch.angle)
     return np.array(patch.centre) + half @ np.array([[c, s], [-s, c]])
+
+
+def obstacle_corners(obstacle: Obstacle) -> Array:
+    """Corners (N, 2) in the world of what an obstacle covers, seen from above."""
+    from scipy.spatial import ConvexHull
+
+    if obstacle.size is None:
+        turn = np.linspace(0.0, 2.0 * np.pi, ROUND, endpoint=False)
+        ring = obstacle.radius * np.stack([np.cos(turn), np.sin(turn)], -1)
+        return np.asarray(obstacle.T)[:2, 3] + ring
+    half = 0.5 * np.array(obstacle.size)
+    signs = np.array([(i, j, k) for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
+    T = np.asarray(obstacle.T)
+    points = (T[:3, 3] + (signs * half) @ T[:3, :3].T)[:, :2]
+    corners: Array = points[ConvexHull(points).vertices]
+    return corners
 
 
 def _program_name(arm: ArmJob) -> str:

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from html import escape
 from importlib.resources import files
 from pathlib import Path
 
 from holonom.app.recording import Recording
 from holonom.app.report.drawing.curves import Curve, joint_curves
 from holonom.app.report.drawing.embed import Blob, add_curves, add_frames, replay_rate
+from holonom.app.report.drawing.event_log import event_rows, robot_of
 from holonom.app.report.drawing.figures import Figures
 from holonom.app.report.drawing.scene import Scene
 from holonom.app.report.drawing.scene_text import scene_json
 from holonom.app.report.findings.comparison import Comparison
-from holonom.app.report.parts import CurveGroup, EventLog, LimitTable, Part, curves_of, part_html
-from holonom.app.report.sections import LimitUse, Outcome, PhotoOverlay, facts_html, programs_html, robot_of
+from holonom.app.report.markup import Html, html, joined, policy, script_json
+from holonom.app.report.parts import CurveGroup, EventLog, LimitTable, Part, curves_of, drawn
+from holonom.app.report.sections import LimitUse, Outcome, PhotoOverlay, facts_html, outcome_html, programs_html
 from holonom.errors import OutputError
 from holonom.signals import Event
 
@@ -45,7 +45,7 @@ def page_html(
     *,
     programs: Mapping[str, str] | None = None,
     events: Sequence[Event] | None = None,
-) -> str:
+) -> Html:
     """Return a report: head, replay, programs, and parts below.
 
     Parameters
@@ -73,29 +73,35 @@ def page_html(
     programs = programs or {}
     missing = add_frames(blob, recording, scene, rate)
     shown = recording.events if events is None else events
+    _, rows = event_rows(shown, programs)
+    blocks = [drawn(part) for part in parts]
     data = {
         "end": recording.end(),
-        "curves": add_curves(blob, curves_of(parts)),
-        "events": [[e.time, e.line, e.level, e.text, robot_of(e, programs)] for e in shown],
+        "curves": add_curves(blob, curves_of([part for part, _ in blocks])),
+        "events": [
+            [e.time, e.line, e.level, e.text, robot_of(e, programs), row] for e, row in zip(shown, rows, strict=True)
+        ],
         "scene": {**scene_json(scene), "rate": rate, **({"shapes": []} if missing else {})},
         "index": blob.index,
     }
+    vendor, script = (_script(*names) for names in (("vendor.min",), ("stage", "flat", "curves", "replay")))
     values = {
-        "title": escape(head.title),
-        "subtitle": escape(head.subtitle),
-        "outcome": f'<p class="outcome {"ok" if head.outcome.ok else "bad"}">{escape(head.outcome.text)}</p>',
+        "policy": policy([vendor, script]),
+        "title": html("{}", head.title),
+        "subtitle": html("{}", head.subtitle),
+        "outcome": outcome_html(head.outcome),
         "facts": facts_html(head.facts),
         "program": programs_html(programs),
-        "tool": escape(scene.tool.replace("_", " ")),
-        "sections": "\n".join(map(part_html, parts)),
-        "licences": escape(_asset("VERSIONS") + "\n" + _asset("LICENSE.three") + "\n" + _asset("LICENSE.uplot")),
-        "style": _asset("uplot.min.css") + _asset("report.css"),
-        "vendor": _inline(_asset("vendor.min.js")),
-        "script": _inline("\n".join(_asset(f"{part}.js") for part in ("stage", "curves", "replay"))),
-        "data": _inline(json.dumps(data, separators=(",", ":"))),
-        "blob": blob.text(),
+        "tool": html("{}", scene.tool.replace("_", " ")),
+        "sections": joined((block for _, block in blocks), "\n"),
+        "licences": html("{}\n{}\n{}", *(_asset(name) for name in ("VERSIONS", "LICENSE.three", "LICENSE.uplot"))),
+        "style": Html(_asset("uplot.min.css") + _asset("report.css")),
+        "vendor": vendor,
+        "script": script,
+        "data": script_json(data),
+        "blob": html("{}", blob.text()),
     }
-    return _PLACE.sub(lambda place: values[place[1]], _asset("report.html"))
+    return Html(_PLACE.sub(lambda place: values[place[1]], _asset("report.html")))
 
 
 def write_report(
@@ -159,6 +165,9 @@ def _asset(name: str) -> str:
     return (files(__package__) / "assets" / name).read_text(encoding="utf-8")
 
 
-def _inline(text: str) -> str:
-    """Script text that no `</script` within it can end."""
-    return text.replace("</script", "<\\/script")
+def _script(*names: str) -> Html:
+    """Our own scripts as one, as they stand in the page and are hashed: nothing in them ends a script."""
+    text = "\n".join(_asset(f"{name}.js") for name in names)
+    assert "</script" not in text
+    assert "<!--" not in text
+    return Html(text)

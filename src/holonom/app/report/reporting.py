@@ -7,13 +7,12 @@ from pathlib import Path
 from holonom.app.console.answer import Answer
 from holonom.app.console.output import REPORT, RunFolder
 from holonom.app.report.attached import program_of
-from holonom.app.report.findings.base_findings import motion_of
-from holonom.app.report.findings.headline import headline_of
-from holonom.app.report.findings.summary import GOOD, placed_parts, summary_of
+from holonom.app.report.findings.headline import badge_of, headline_of
+from holonom.app.report.findings.summary import placed_parts, summary_of
 from holonom.app.report.findings.told import told
 from holonom.app.report.page import Head, page_html
+from holonom.app.report.parts import said
 from holonom.app.report.section_table import parts_of
-from holonom.app.report.sections import Outcome
 from holonom.app.report.source import Source, source_of
 
 __all__ = ["report_html", "report_recording"]
@@ -55,17 +54,8 @@ def report_html(source: Source) -> str:
     """
     programs = {robot.name: program_of(source.whole, robot.facts.program) for robot in source.robots}
     cell = source.cell
-    head = Head(cell.title, _outcome(source), cell.description, _facts(source))
+    head = Head(cell.title, badge_of(source), cell.description, _facts(source))
     return page_html(head, source.whole, source.scene, parts_of(source), programs=programs, events=source.events)
-
-
-def _outcome(source: Source) -> Outcome:
-    ending, text = source.ending, source.ending.reason
-    robot = source.robots[0]
-    motion = motion_of(robot.recording) if source.alone and robot.facts.kind == "base" else None
-    if ending.status == "done" and motion is not None:
-        text += f", at most {1e3 * motion.error.max():.0f} mm off"
-    return Outcome(ending.status in GOOD, text)
 
 
 def _facts(source: Source) -> dict[str, str]:
@@ -75,4 +65,12 @@ def _facts(source: Source) -> dict[str, str]:
         facts["Parts in their fields"] = f"{placed} of {len(source.cell.parts)}"
         if placed:
             facts["Time per part"] = f"{source.ending.simulated_time / placed:.2f} s"
-    return facts | headline_of(source.robots[0]) if source.alone else facts
+    return facts | _headline(source) if source.alone else facts
+
+
+def _headline(source: Source) -> dict[str, str]:
+    """What came of the only robot; where that cannot be told, why not, since the page below may hold the rest."""
+    try:
+        return headline_of(source.robots[0])
+    except Exception as error:
+        return {"Not to be told": said(error)}

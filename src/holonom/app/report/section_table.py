@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from holonom.app.report.parts import Part
+from holonom.app.report.parts import Part, Unshown, said
 from holonom.app.report.source import Source
 from holonom.registry import Table
 
@@ -30,6 +30,8 @@ REPORT_SECTIONS = Table(
         "path": "holonom.app.report.section.path:SECTION",
         "faults": "holonom.app.report.section.faults:SECTION",
         "polar": "holonom.app.report.section.polar:SECTION",
+        "base": "holonom.app.report.section.base:SECTION",
+        "base_curves": "holonom.app.report.section.base_curves:SECTION",
         "curves": "holonom.app.report.section.curves:SECTION",
         "photograph": "holonom.app.report.section.photograph:SECTION",
         "limits": "holonom.app.report.section.limits:SECTION",
@@ -39,6 +41,13 @@ REPORT_SECTIONS = Table(
 
 
 def parts_of(source: Source) -> list[Part]:
-    """All parts of the sections that apply."""
-    made: list[Section] = [REPORT_SECTIONS.make(name) for name in REPORT_SECTIONS]
-    return [part for section in made if section.applies(source) for part in section.parts(source)]
+    """All parts of the sections that apply; what goes wrong in one of them is said in its place."""
+    return [part for name in REPORT_SECTIONS for part in _parts(name, source)]
+
+
+def _parts(name: str, source: Source) -> Sequence[Part]:
+    try:
+        section: Section = REPORT_SECTIONS.make(name)
+        return section.parts(source) if section.applies(source) else ()
+    except Exception as error:  # whatever it is, the rest of the report is worth having
+        return [Unshown(name, said(error))]

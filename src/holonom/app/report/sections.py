@@ -1,41 +1,40 @@
-"""Sections of the report that need no script: facts, limits, photograph, events."""
+"""Blocks of the report that need no script: how it ended, facts, photograph, programs."""
 
 from __future__ import annotations
 
 import base64
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from html import escape
 
-import numpy as np
-
-from holonom.app.recording.scope import bare
+from holonom.app.report.markup import Html, colour, html, joined
 from holonom.arrays import Array
-from holonom.signals import Event
 
 __all__ = [
     "Detection",
     "LimitUse",
     "Outcome",
     "PhotoOverlay",
-    "events_html",
     "facts_html",
-    "limits_html",
+    "outcome_html",
     "photo_html",
     "programs_html",
-    "robot_of",
 ]
 
-ROWS = 5000
-"""Events that the log shows."""
+TONES = ("ok", "held", "bad", "unsaid")
+"""How a badge looks: green, amber, red, grey."""
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How the run ended: `ok`, and one line that says it."""
+    """How the run ended: whether well, and one line that says it.
+
+    `tone` is one of `TONES`: "held" of a run that somebody paused or stopped, "unsaid" of a recording that does not say
+    how it ended; unless given it follows from `ok`.
+    """
 
     ok: bool
     text: str
+    tone: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,126 +88,76 @@ class PhotoOverlay:
     caption: str = ""
 
 
-def facts_html(facts: Mapping[str, str]) -> str:
+def outcome_html(outcome: Outcome) -> Html:
+    """The badge."""
+    tone = outcome.tone or ("ok" if outcome.ok else "bad")
+    return html('<p class="outcome {}">{}</p>', tone, outcome.text)
+
+
+def facts_html(facts: Mapping[str, str]) -> Html:
     """The run in a few numbers: label and value."""
-    items = "".join(f"<div><dt>{escape(label)}</dt><dd>{escape(value)}</dd></div>" for label, value in facts.items())
-    return f'<dl class="facts">{items}</dl>' if facts else ""
+    items = joined(html("<div><dt>{}</dt><dd>{}</dd></div>", label, value) for label, value in facts.items())
+    return html('<dl class="facts">{}</dl>', items) if facts else Html()
 
 
-def limits_html(joint_names: Sequence[str], limits: Iterable[LimitUse], name: str, title: str, note: str) -> str:
-    """A table, joints down and quantities across, each cell a bar from nothing to its limit."""
-    uses = tuple(limits)
-    if not uses:
-        return ""
-    head = "".join(f"<th>{escape(use.quantity)} <small>{escape(use.unit)}</small></th>" for use in uses)
-    rows = "".join(
-        f"<tr><th>{escape(joint)}</th>{''.join(_limit_cell(use, i) for use in uses)}</tr>"
-        for i, joint in enumerate(joint_names)
-    )
-    return _section(
-        name,
-        title,
-        f'<table class="limits"><thead><tr><th></th>{head}</tr></thead><tbody>{rows}</tbody></table>'
-        f'<p class="note">{escape(note)}</p>',
-    )
-
-
-def photo_html(photo: PhotoOverlay | None) -> str:
+def photo_html(photo: PhotoOverlay) -> Html:
     """The photograph with a numbered circle on every part found."""
-    if photo is None:
-        return ""
-    marks = "".join(_mark(i, part, photo) for i, part in enumerate(photo.detections, start=1))
     counts = {group: sum(part.group == group for part in photo.detections) for group in photo.groups}
-    legend = "".join(
-        f'<li><i style="background:{escape(colour)}"></i>{escape(group)} <b>{counts[group]}</b></li>'
-        for group, colour in photo.groups.items()
+    legend = joined(
+        html('<li><i style="background:{}"></i>{} <b>{}</b></li>', colour(own), group, counts[group])
+        for group, own in photo.groups.items()
     )
-    image = base64.b64encode(photo.png).decode()
-    caption = f'<p class="note">{escape(photo.caption)}</p>' if photo.caption else ""
-    return _section(
-        "photograph",
-        "What the camera saw",
-        f'<figure class="photo" style="aspect-ratio:{photo.width}/{photo.height}">'
-        f'<img id="photo" alt="photograph of the table" src="data:image/png;base64,{image}">'
-        f'<svg viewBox="0 0 {photo.width} {photo.height}" role="img" aria-label="parts found">{marks}</svg></figure>'
-        f'<div class="found"><div class="scroll">{_parts_table(photo)}</div></div>'
-        f'<ul class="legend">{legend}</ul>{caption}',
+    return html(
+        '<section id="photograph" class="card"><h2>What the camera saw</h2>'
+        '<figure class="photo" style="aspect-ratio:{width:d}/{height:d}">'
+        '<img id="photo" alt="photograph of the table" src="data:image/png;base64,{image}">'
+        '<svg viewBox="0 0 {width:d} {height:d}" role="img" aria-label="parts found">{marks}</svg></figure>'
+        '<div class="found"><div class="scroll">{table}</div></div><ul class="legend">{legend}</ul>{caption}</section>',
+        width=photo.width,
+        height=photo.height,
+        image=base64.b64encode(photo.png).decode(),
+        marks=joined(_mark(i, part, photo) for i, part in enumerate(photo.detections, start=1)),
+        table=_parts_table(photo),
+        legend=legend,
+        caption=html('<p class="note">{}</p>', photo.caption) if photo.caption else Html(),
     )
 
 
-def robot_of(event: Event, robots: Iterable[str]) -> str:
-    """Name of the robot that an event is of, "" where it is of none of these, or of one that is alone."""
-    return next((robot for robot in robots if robot and event.source.startswith(f"{robot}.")), "")
-
-
-def events_html(events: Sequence[Event], robots: Sequence[str] = ()) -> str:
-    """The log: time, robot of several, program line, text; a click moves the replay there. Of very many the first."""
-    shown = [(e, robot_of(e, robots)) for e in events[:ROWS]]
-    rows = "".join(
-        f'<tr class="{escape(e.level)}" data-time="{e.time:.3f}"><td>{e.time:.2f}</td><td>{e.line or ""}</td>'
-        f"{f'<td>{escape(robot)}</td>' if robots else ''}"
-        f"<td>{escape(bare(e.source, robot, '.'))}</td><td>{escape(e.text)}</td></tr>"
-        for e, robot in shown
-    )
-    body = (
-        '<div class="scroll"><table class="events"><thead><tr><th>time&nbsp;s</th><th>line</th>'
-        f"{'<th>robot</th>' if robots else ''}<th>source</th><th>event</th></tr></thead>"
-        f"<tbody>{rows}</tbody></table></div>"
-    )
-    if len(events) > ROWS:
-        body += f'<p class="note">The first {ROWS} of {len(events)} events; the recording holds all.</p>'
-    return _section("log", "Events", body if events else '<p class="note">No events were recorded.</p>')
-
-
-def programs_html(programs: Mapping[str, str]) -> str:
+def programs_html(programs: Mapping[str, str]) -> Html:
     """The programs by their robots, line by line; the script marks the lines that run."""
-    return "".join(_program(robot, text) for robot, text in programs.items() if text)
+    return joined(_program(robot, text) for robot, text in programs.items() if text)
 
 
-def _program(robot: str, text: str) -> str:
-    lines = "".join(
-        f'<li data-line="{number}"><code>{escape(line) or " "}</code></li>'
+def _program(robot: str, text: str) -> Html:
+    lines = joined(
+        html('<li data-line="{}"><code>{}</code></li>', number, line or " ")
         for number, line in enumerate(text.splitlines(), start=1)
     )
-    title = f"Program of {escape(robot)}" if robot else "Program"
-    return f'<div class="card program"><h2>{title}</h2><ol data-robot="{escape(robot)}">{lines}</ol></div>'
+    title = f"Program of {robot}" if robot else "Program"
+    return html('<div class="card program"><h2>{}</h2><ol data-robot="{}">{}</ol></div>', title, robot, lines)
 
 
-def _limit_cell(use: LimitUse, joint: int) -> str:
-    peak, limit = float(use.peak[joint]), float(use.limit[joint])
-    if not limit > 0.0 or np.isnan(peak):
-        return f"<td class='none'><span class='value'>{'–' if np.isnan(peak) else f'{peak:.3g}, no limit'}</span></td>"
-    ratio = peak / limit
-    level = "over" if ratio > 1 else "near" if ratio > 0.9 else "fine"
-    return (
-        f'<td class="{level}" title="{peak:.4g} of {limit:.4g} {escape(use.unit)}">'
-        f'<span class="bar"><i style="width:{min(ratio, 1):.1%}"></i></span>'
-        f"<span class='value'>{peak:.3g} / {limit:.3g}</span><b>{ratio:.0%}</b></td>"
-    )
+def _mark(number: int, part: Detection, photo: PhotoOverlay) -> Html:
+    return html(
+        '<g data-frame="{}" style="--c:{}"><title>{}: {}, {:.1f} px</title><circle cx="{:.2f}" cy="{:.2f}" r="{:.2f}"/>'
+        '<text x="{:.2f}" y="{:.2f}">{}</text></g>',
+        part.frame, colour(photo.groups[part.group]), number, part.group, part.diameter, part.u, part.v,
+        part.diameter / 2, part.u, part.v, number,
+    )  # fmt: skip
 
 
-def _mark(number: int, part: Detection, photo: PhotoOverlay) -> str:
-    colour = escape(photo.groups[part.group])
-    title = f"{number}: {part.group}, {part.diameter:.1f} px"
-    return (
-        f'<g data-frame="{escape(part.frame)}" style="--c:{colour}"><title>{escape(title)}</title>'
-        f'<circle cx="{part.u:.2f}" cy="{part.v:.2f}" r="{part.diameter / 2:.2f}"/>'
-        f'<text x="{part.u:.2f}" y="{part.v:.2f}">{number}</text></g>'
-    )
-
-
-def _parts_table(photo: PhotoOverlay) -> str:
-    rows = "".join(
-        f'<tr data-frame="{escape(part.frame)}"><td>{number}</td>'
-        f'<td><i style="background:{escape(photo.groups[part.group])}"></i>{escape(part.group)}</td>'
-        f"<td>{1e3 * part.size:.1f}</td><td>{1e3 * part.x:.1f}</td><td>{1e3 * part.y:.1f}</td></tr>"
+def _parts_table(photo: PhotoOverlay) -> Html:
+    rows = joined(
+        html(
+            '<tr data-frame="{}"><td>{}</td><td><i style="background:{}"></i>{}</td>'
+            "<td>{:.1f}</td><td>{:.1f}</td><td>{:.1f}</td></tr>",
+            part.frame, number, colour(photo.groups[part.group]), part.group, 1e3 * part.size, 1e3 * part.x,
+            1e3 * part.y,
+        )
         for number, part in enumerate(photo.detections, start=1)
+    )  # fmt: skip
+    return html(
+        '<table class="parts"><thead><tr><th>#</th><th>class</th><th>diameter mm</th><th>x mm</th><th>y mm</th></tr>'
+        "</thead><tbody>{}</tbody></table>",
+        rows,
     )
-    return (
-        '<table class="parts"><thead><tr><th>#</th><th>class</th><th>diameter mm</th><th>x mm</th><th>y mm</th>'
-        f"</tr></thead><tbody>{rows}</tbody></table>"
-    )
-
-
-def _section(name: str, title: str, body: str) -> str:
-    return f'<section id="{name}" class="card"><h2>{escape(title)}</h2>{body}</section>'

@@ -12,6 +12,7 @@ from holonom.app.recording import CUT_OFF, FrameTrack, Recording, read_robots
 from holonom.app.report.attached import cell_of, ending_of, photograph_of, recorded_scene
 from holonom.app.report.drawing.inferred_scene import inferred_scene
 from holonom.app.report.drawing.scene import Scene
+from holonom.app.report.findings.castor_frames import castor_frames
 from holonom.app.report.findings.facts import CellFacts, Ending, RobotFacts
 from holonom.app.report.findings.rebased import rebased
 from holonom.app.report.sections import PhotoOverlay
@@ -96,6 +97,7 @@ def source_of(path: str | Path, *, beside: bool = True) -> Source:
     cell = cell_of(whole)
     ending = ending_of(whole) or _guessed(whole)
     known = cell or _inferred(path, recordings)
+    whole = replace(whole, frames={**whole.frames, **castor_frames(whole.frames, known.robots)})
     others = _others(path, cell) if beside and cell is not None else {}
     robots = tuple(
         RobotSource(

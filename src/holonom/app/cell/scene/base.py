@@ -27,15 +27,18 @@ DOTS = 120
 
 
 def shapes_of_base(job: BaseJob) -> list[Shape]:
-    """Shapes of a base in its frame "base_link" and those of its turning wheels, "wheel_1" and so on."""
+    """Shapes of a base in its frame "base_link", in those of its turning wheels, "wheel_1", and castors, "castor_1"."""
     scope = Scope(job.name, ())
     base, body = job.base, scope.frame("base_link")
     shapes = _body(base, body)
-    number = 0
+    number = castor = 0
     for wheel in base.wheels:
         if wheel.driven and wheel.kind in SIMULATED:
             number += 1
             shapes += _tyre(scope.frame(f"wheel_{number}"), wheel, np.eye(4))
+        elif wheel.kind == "castor":
+            castor += 1
+            shapes += _castor(scope.frame(f"castor_{castor}"), wheel)
         else:
             shapes += _FIXED.get(wheel.kind, _still)(body, wheel)
     return shapes
@@ -80,7 +83,8 @@ def _body(base: WheelBase, frame: str) -> list[Shape]:
     (x, y, rim), top = _rim(base), deck_height(base)
     r = max(wheel.radius for wheel in base.wheels)
     on_ball = any(wheel.kind == "spherical" and wheel.driven for wheel in base.wheels)
-    low = 1.6 * r if on_ball else 0.35 * r
+    castors = [2.2 * wheel.radius for wheel in base.wheels if wheel.kind == "castor"]
+    low = 1.6 * r if on_ball else min(max(0.35 * r, *castors, 0.0), top - 0.8 * r)
     return [
         Tube(frame, (x, y, low), (x, y, top - 0.4 * r), 0.72 * rim, BODY),
         Tube(frame, (x, y, top - 0.5 * r), (x, y, top - 0.15 * r), 1.12 * rim, BODY),
@@ -105,10 +109,10 @@ def _tyre(frame: str, wheel: Wheel, T: Array) -> list[Shape]:
     ]
 
 
-def _at_rest(wheel: Wheel, beyond: float = 0.0) -> Array:
-    """T (4, 4) in base_link of a wheel at rest, `beyond` m along its heading; y along the axle."""
+def _at_rest(wheel: Wheel) -> Array:
+    """T (4, 4) in base_link of a wheel at rest; y along the axle."""
     c, s = math.cos(wheel.heading), math.sin(wheel.heading)
-    T = pose((wheel.x + beyond * c, wheel.y + beyond * s, wheel.radius))
+    T = pose((wheel.x, wheel.y, wheel.radius))
     T[:3, :3] = [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]
     return T
 
@@ -119,8 +123,10 @@ def _still(frame: str, wheel: Wheel) -> list[Shape]:
 
 
 def _castor(frame: str, wheel: Wheel) -> list[Shape]:
-    """A castor: its wheel behind a pivot, and the fork between them."""
-    return [*_tyre(frame, wheel, _at_rest(wheel, wheel.castor_offset)), _column(frame, wheel, 2.4 * wheel.radius)]
+    """A castor in a frame at its pivot on the floor, x towards its wheel, which the report lets trail."""
+    r = wheel.radius
+    fork = Tube(frame, (0.0, 0.0, 2.05 * r), (0.0, 0.0, 2.4 * r), 0.25 * r, METAL)
+    return [*_tyre(frame, wheel, pose((wheel.castor_offset, 0.0, r))), fork]
 
 
 def _steered(frame: str, wheel: Wheel) -> list[Shape]:
@@ -138,4 +144,4 @@ def _ball(frame: str, wheel: Wheel) -> list[Shape]:
     return [Tube(frame, (x, y, r - 1e-4), (x, y, r + 1e-4), r, RUBBER, rounded=True)]
 
 
-_FIXED = {"castor": _castor, "steered": _steered, "spherical": _ball}
+_FIXED = {"steered": _steered, "spherical": _ball}

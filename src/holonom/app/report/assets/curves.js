@@ -26,21 +26,21 @@ class Plot {
   dragged(event) { return Math.abs(event.clientX - this.down) > 3; }
 
   options() {
-    const grid = { stroke: "#eceff3", width: 1 };
-    const axis = { stroke: "#5b6878", grid, ticks: { show: false }, font: "12px system-ui, sans-serif" };
+    const grid = { stroke: () => ink("--line"), width: 1 };
+    const axis = { stroke: () => ink("--soft"), grid, ticks: { show: false }, font: "12px system-ui, sans-serif" };
     const number = (_, value) => (value == null ? "–" : value.toFixed(Math.abs(value) < 10 ? 2 : 1).replace(/^-(0\.0+)$/, "$1"));
     return {
       width: this.box.clientWidth, height: 230,
-      scales: { x: { time: false } },
+      scales: { x: { time: false }, y: { range: (_, low, high) => room(low, high) } },
       axes: [
-        { ...axis, size: 30, values: (_, ticks) => ticks.map((tick) => `${+tick.toFixed(3)} s`) },
-        { ...axis, size: 52 },
+        { ...axis, size: 30, space: 62, values: (_, ticks) => ticks.map((tick) => `${+tick.toFixed(3)} s`) },
+        { ...axis, size: 58 },
       ],
       cursor: { sync: { key: "run", scales: ["x", null] }, points: { size: 6 } },
       series: [
         { label: "t", value: (_, value) => (value == null ? "–" : `${value.toFixed(2)} s`) },
         ...this.names.map((label, i) => ({
-          label, stroke: COLOURS[i % COLOURS.length], width: 1.2, value: number, points: { show: false },
+          label, stroke: () => hue(i), width: 1.2, value: number, points: { show: false },
         })),
       ],
       hooks: { setScale: [(chart, key) => { if (key === "x") zoomAll(chart.scales.x); this.mark(); }] },
@@ -62,6 +62,21 @@ class Plot {
 }
 
 const plots = [];
+
+/** What an axis shows of values from `low` to `high`; of those that stay as they are, one to either side. */
+function room(low, high) {
+  if (low == null || high - low < 1e-9) return [(low ?? 0) - 1, (high ?? 0) + 1];
+  return vendor.uPlot.rangeNum(low, high, 0.1, true);
+}
+
+const dark = window.matchMedia("(prefers-color-scheme: dark)");
+dark.addEventListener("change", () => { for (const { chart } of plots) chart.redraw(); });
+
+/** A colour of the page's style. */
+function ink(name) { return getComputedStyle(document.documentElement).getPropertyValue(name).trim(); }
+
+/** Colour of the i-th line. */
+function hue(i) { return (dark.matches ? BRIGHT : COLOURS)[i % COLOURS.length]; }
 
 /** All plots show the same stretch of time. */
 function zoomAll({ min, max }) {

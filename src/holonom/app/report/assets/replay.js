@@ -10,7 +10,11 @@ class Replay {
     $("time").oninput = (event) => this.seek(+event.target.value);
     $("play").onclick = () => (this.state.playing ? this.pause() : this.play());
     $("speed").onchange = (event) => { this.state.speed = +event.target.value; };
-    for (const row of document.querySelectorAll(".events tbody tr")) row.onclick = () => this.seek(+row.dataset.time);
+    this.rows = new Map();
+    for (const row of document.querySelectorAll(".events tbody tr")) {
+      this.rows.set(+row.dataset.row, row);
+      row.onclick = () => this.seek(+row.dataset.time);
+    }
     this.addTicks();
     this.seek(0);
   }
@@ -78,8 +82,8 @@ class Replay {
     const [, , , text, robot] = at < 0 ? [0, 0, "", "–", ""] : data.events[at];
     $("event").textContent = robot ? `${robot}: ${text}` : text;
     this.showLines(at);
-    const rows = document.querySelectorAll(".events tbody tr");
-    mark(rows, rows[at], document.querySelector("#log .scroll"));
+    const row = at < 0 ? undefined : this.rows.get(data.events[at][5]);
+    mark(this.rows.values(), row, row?.closest(".scroll"));
   }
 
   /** In each program the line of its robot's last event. */
@@ -107,9 +111,7 @@ function linkParts(stage) {
   const elements = [...document.querySelectorAll("#photograph [data-frame]")];
   const light = (frame) => {
     for (const element of elements) element.classList.toggle("lit", element.dataset.frame === frame);
-    for (const disc of stage.discs) {
-      for (const one of disc.material) one.emissive.set(disc.userData.frame === frame ? "#c77700" : "#000000");
-    }
+    stage.light(frame);
     stage.draw();
   };
   for (const element of elements) {
@@ -118,18 +120,13 @@ function linkParts(stage) {
   }
 }
 
-/** The replay; without WebGL a stage that shows nothing, so that the rest of the page still works. */
+/** The replay; without WebGL a flat one. */
 function makeStage(arrays) {
-  const note = $("empty");
-  const nothing = () => {};
-  try {
-    const stage = new Stage(arrays);
-    note.hidden = stage.tracks.size > 0;
-    return stage;
-  } catch (error) {
-    Object.assign(note, { hidden: false, textContent: `No replay here, this browser has no WebGL. ${error.message}` });
-    return { tracks: new Map(), discs: [], place: nothing, draw: nothing, look: nothing };
-  }
+  const solid = document.createElement("canvas").getContext("webgl2");
+  solid?.getExtension("WEBGL_lose_context")?.loseContext();
+  const stage = solid ? new Stage(arrays) : new Flat(arrays);
+  $("empty").hidden = stage.tracks.size > 0;
+  return stage;
 }
 
 async function start() {
@@ -150,12 +147,13 @@ const ready = start().then(({ stage, replay }) => {
   Object.assign(window.holonom, {
     state: replay.state,
     discs: stage.discs.length,
+    flat: stage instanceof Flat,
     seek: (time) => replay.seek(time),
     play: () => replay.play(),
     pause: () => replay.pause(),
     look: (eye, target) => stage.look({ eye, target }),
     position: (frame) => stage.tracks.get(frame).group.position.toArray(),
-    visible: (frame) => stage.discs.some((disc) => disc.userData.frame === frame && disc.visible),
+    visible: (frame) => stage.shows(frame),
   });
   return true;
 });

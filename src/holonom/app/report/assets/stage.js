@@ -1,8 +1,9 @@
 "use strict";
 // What the replay shows: frames that move as recorded, with shapes in them. `vendor` holds three.js, its orbit
-// control and uPlot. The page runs stage.js, curves.js and replay.js as one script.
+// control and uPlot. The page runs stage.js, flat.js, curves.js and replay.js as one script.
 
 const COLOURS = ["#0b7285", "#d9480f", "#5f3dc4", "#2b8a3e", "#c2255c", "#9c6f00", "#1864ab", "#495057"];
+const BRIGHT = ["#3bc9db", "#ff922b", "#b197fc", "#69db7c", "#f783ac", "#ffd43b", "#74c0fc", "#ced4da"];
 const $ = (id) => document.getElementById(id);
 const data = JSON.parse($("data").textContent);
 
@@ -151,7 +152,7 @@ class Stage {
     this.orbit.maxDistance = 5.5 * data.scene.extent;
     this.tracks = new Map();
     this.discs = [];
-    this.light();
+    this.addLights();
     for (const shape of data.scene.shapes) this.add(shape, arrays);
     this.addTrail(arrays[`frame:${data.scene.tool}`]);
     this.addViews();
@@ -159,7 +160,7 @@ class Stage {
     this.resize();
   }
 
-  light() {
+  addLights() {
     this.scene.add(new vendor.HemisphereLight("#ffffff", "#c9d2dd", 2.4));
     const sun = new vendor.DirectionalLight("#fff7ea", 2.2);
     const reach = data.scene.extent;
@@ -175,7 +176,7 @@ class Stage {
     const floor = new vendor.Mesh(
       new vendor.PlaneGeometry(wide * 2, wide * 2), new vendor.ShadowMaterial({ opacity: 0.16 }));
     floor.receiveShadow = true;
-    const grid = new vendor.GridHelper(wide, wide > 6 ? wide : 24, "#c3ccd8", "#d9e0e8");
+    const grid = new vendor.GridHelper(wide, wide > 6 ? wide : 24, ...(dark.matches ? ["#46566b", "#36445a"] : ["#c3ccd8", "#d9e0e8"]));
     grid.rotation.x = Math.PI / 2;
     grid.position.z = -0.001;
     this.scene.add(floor, grid);
@@ -259,6 +260,15 @@ class Stage {
     this.renderer.shadowMap.needsUpdate = true;
     this.draw();
   }
+
+  /** The part in this frame lights up, others do not. */
+  light(frame) {
+    for (const disc of this.discs) {
+      for (const one of disc.material) one.emissive.set(disc.userData.frame === frame ? "#c77700" : "#000000");
+    }
+  }
+
+  shows(frame) { return this.discs.some((disc) => disc.userData.frame === frame && disc.visible); }
 
   draw() { this.renderer.render(this.scene, this.camera); }
 }

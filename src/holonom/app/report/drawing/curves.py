@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from html import escape
 
 import numpy as np
 from numpy.typing import NDArray
 
 from holonom.app.recording import Recording
+from holonom.app.report.markup import Html, html, joined
 from holonom.arrays import Array
 from holonom.model.joint_kinds import kind_of
 
@@ -86,13 +86,13 @@ def _error(recording: Recording) -> Array:
     return np.stack(wanted, axis=1) - joints.position
 
 
-def curves_html(curves: Sequence[Curve], name: str, title: str) -> str:
+def curves_html(curves: Sequence[Curve], name: str, title: str) -> Html:
     """Places for the plots, which the script fills."""
     if not curves:
-        return ""
-    places = "".join(f'<div class="plot" data-curve="{escape(curve.key)}"></div>' for curve in curves)
+        return Html()
+    places = joined(html('<div class="plot" data-curve="{}"></div>', curve.key) for curve in curves)
     note = "Click to move the replay there; drag to zoom, double click to zoom out; click a name to hide its curve."
-    return (
-        f'<section id="{escape(name)}" class="card curves"><h2>{escape(title)}</h2><p class="note">{note}</p>'
-        f'<div class="plots">{places}</div></section>'
-    )
+    return html(
+        '<section id="{}" class="card curves"><h2>{}</h2><p class="note">{}</p><div class="plots">{}</div></section>',
+        name, title, note, places,
+    )  # fmt: skip

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from html import escape
 
 from holonom.app.report.drawing.polar import Polar, polar_svg
-from holonom.app.report.drawing.topview import TopView, topview_svg
+from holonom.app.report.drawing.topview import TopView, legend_of, topview_svg
+from holonom.app.report.markup import Html, colour, html, joined
 
 __all__ = ["Figures", "Table", "figures_html"]
+
+MANY = 12
+"""Rows from which on a table scrolls."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,43 +37,50 @@ class Figures:
     notes: Sequence[str] = ()
 
 
-def figures_html(section: Figures) -> str:
+def figures_html(section: Figures) -> Html:
     """The section; tables take the whole width."""
-    body = "".join(_figure(figure) for figure in section.figures)
-    note = f'<p class="note">{escape(section.note)}</p>' if section.note else ""
-    return (
-        f'<section id="{escape(section.name)}" class="card"><h2>{escape(section.title)}</h2>{note}'
-        f'<div class="figures">{body}</div>{_listed(section.notes)}</section>'
-    )
+    note = html('<p class="note">{}</p>', section.note) if section.note else Html()
+    return html(
+        '<section id="{}" class="card"><h2>{}</h2>{}<div class="figures">{}</div>{}</section>',
+        section.name, section.title, note, joined(map(_figure, section.figures)), _listed(section.notes),
+    )  # fmt: skip
 
 
-def _listed(notes: Sequence[str]) -> str:
-    return f'<ul class="notes">{"".join(f"<li>{escape(note)}</li>" for note in notes)}</ul>' if notes else ""
+def _listed(notes: Sequence[str]) -> Html:
+    if not notes:
+        return Html()
+    return html('<ul class="notes">{}</ul>', joined(html("<li>{}</li>", note) for note in notes))
 
 
-def _figure(figure: Polar | TopView | Table) -> str:
+def _figure(figure: Polar | TopView | Table) -> Html:
     match figure:
         case Polar():
-            return _captioned(
-                "polar", polar_svg(figure), figure.title, _legend([(c.name, c.colour) for c in figure.lines])
-            )
+            legend = _legend([(line.name, line.colour) for line in figure.lines])
+            return _captioned("polar", polar_svg(figure), figure.title, legend)
         case TopView():
-            legend = _legend([(line.name, line.colour) for line in figure.lines if line.name])
-            return _captioned("topview", topview_svg(figure), figure.title, legend)
+            kind = "topview" if figure.lines else "topview near"
+            return _captioned(kind, topview_svg(figure), figure.title, _legend(legend_of(figure)))
         case Table():
             return _table(figure)
 
 
-def _captioned(kind: str, svg: str, title: str, legend: str) -> str:
-    return f'<figure class="{kind}"><figcaption><b>{escape(title)}</b></figcaption>{svg}{legend}</figure>'
+def _captioned(kind: str, svg: Html, title: str, legend: Html) -> Html:
+    return html(
+        '<figure class="{}"><figcaption><b>{}</b></figcaption><div class="wide">{}</div>{}</figure>',
+        kind, title, svg, legend,
+    )  # fmt: skip
 
 
-def _legend(entries: Sequence[tuple[str, str]]) -> str:
-    items = "".join(f'<li><i style="background:{escape(colour)}"></i>{escape(name)}</li>' for name, colour in entries)
-    return f'<ul class="legend">{items}</ul>'
+def _legend(entries: Sequence[tuple[str, str]]) -> Html:
+    items = joined(html('<li><i style="background:{}"></i>{}</li>', colour(own), name) for name, own in entries)
+    return html('<ul class="legend">{}</ul>', items)
 
 
-def _table(table: Table) -> str:
-    head = "".join(f"<th>{escape(text)}</th>" for text in table.head)
-    rows = "".join(f"<tr>{''.join(f'<td>{escape(text)}</td>' for text in row)}</tr>" for row in table.rows)
-    return f'<table class="plain"><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>'
+def _table(table: Table) -> Html:
+    """A table; a long one scrolls under its head."""
+    head = joined(html("<th>{}</th>", text) for text in table.head)
+    rows = joined(html("<tr>{}</tr>", joined(html("<td>{}</td>", text) for text in row)) for row in table.rows)
+    return html(
+        '<div class="plain {}"><table><thead><tr>{}</tr></thead><tbody>{}</tbody></table></div>',
+        "scroll" if len(table.rows) > MANY else "wide", head, rows,
+    )  # fmt: skip

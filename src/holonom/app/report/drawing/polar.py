@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from html import escape
 
 import numpy as np
 
+from holonom.app.report.drawing.labels import Box, Room, text_size
+from holonom.app.report.markup import Html, colour, html, joined
 from holonom.arrays import Array
 
 __all__ = ["Polar", "PolarLine", "polar_svg"]
@@ -39,16 +40,40 @@ class Polar:
     lines: Sequence[PolarLine]
 
 
-def polar_svg(polar: Polar) -> str:
+def polar_svg(polar: Polar) -> Html:
     """The plot: rings with their values, directions, closed lines."""
     largest = max(float(np.max(line.values)) for line in polar.lines)
     step = _ring_step(largest)
     rings = max(1, math.ceil(largest / step - 1e-3))
     scale = _RADIUS / (step * rings)
-    body = "".join(_ring(k * step, scale, polar.unit if k == rings else "") for k in range(1, rings + 1))
-    body += "".join(_spoke(math.radians(degrees), degrees) for degrees in range(0, 360, 45))
-    body += "".join(_line(line, scale) for line in polar.lines)
-    return f'<svg viewBox="0 0 {_SIDE:g} {_SIDE:g}" role="img" aria-label="{escape(polar.title)}">{body}</svg>'
+    lines = [_points(line, scale) for line in polar.lines]
+    values = [
+        (f"{k * step:.3g} {polar.unit if k == rings else ''}".strip(), k * step * scale) for k in range(1, rings + 1)
+    ]
+    circles = (
+        html('<circle class="grid" cx="{0:g}" cy="{0:g}" r="{1:.1f}"/>', _SIDE / 2, radius) for _, radius in values
+    )
+    spokes = (_spoke(math.radians(degrees), degrees) for degrees in range(0, 360, 45))
+    drawn = (_line(line.colour, points) for line, points in zip(polar.lines, lines, strict=True))
+    body = joined([*circles, *spokes, *drawn, *_values(values, lines)])
+    return html('<svg viewBox="0 0 {0:g} {0:g}" role="img" aria-label="{1}">{2}</svg>', _SIDE, polar.title, body)
+
+
+def _values(values: Sequence[tuple[str, float]], lines: Sequence[Array]) -> list[Html]:
+    """Values of rings, all in that direction between two spokes in which they cover least of the lines."""
+    room = Room(_SIDE, _SIDE)
+    for points in lines:
+        room.cross(np.concatenate([points, points[:1]]))
+
+    def boxes(angle: float) -> list[Box]:
+        sized = ((_at(angle, radius), text_size(text, 11.0)) for text, radius in values)
+        return [Box(x - 0.5 * w, y - 0.5 * h, x + 0.5 * w, y + 0.5 * h) for (x, y), (w, h) in sized]
+
+    angles = [math.radians(degrees) for degrees in (-22.5, 22.5, 157.5, -157.5, 67.5, -67.5, 112.5, -112.5)]
+    best = min(angles, key=lambda angle: sum(room.cost(box) for box in boxes(angle)))
+    return [
+        html('<text class="value" x="{:.1f}" y="{:.1f}">{}</text>', *_at(best, radius), text) for text, radius in values
+    ]
 
 
 def _at(angle: float, radius: float) -> tuple[float, float]:
@@ -56,31 +81,24 @@ def _at(angle: float, radius: float) -> tuple[float, float]:
     return _SIDE / 2 - radius * math.sin(angle), _SIDE / 2 - radius * math.cos(angle)
 
 
-def _ring(value: float, scale: float, unit: str) -> str:
-    radius = value * scale
-    x, y = _at(math.radians(-22.5), radius)
-    text = f"{value:.3g} {unit}".strip()
-    return (
-        f'<circle class="grid" cx="{_SIDE / 2:g}" cy="{_SIDE / 2:g}" r="{radius:.1f}"/>'
-        f'<text class="value" x="{x:.1f}" y="{y:.1f}">{escape(text)}</text>'
-    )
-
-
-def _spoke(angle: float, degrees: int) -> str:
+def _spoke(angle: float, degrees: int) -> Html:
     x, y = _at(angle, _RADIUS)
     tx, ty = _at(angle, _RADIUS + 18)
     text = {0: "forwards", 90: "left", 180: "backwards", 270: "right"}.get(degrees, f"{degrees}°")
-    return (
-        f'<line class="grid" x1="{_SIDE / 2:g}" y1="{_SIDE / 2:g}" x2="{x:.1f}" y2="{y:.1f}"/>'
-        f'<text x="{tx:.1f}" y="{ty:.1f}">{text}</text>'
-    )
+    return html(
+        '<line class="grid" x1="{0:g}" y1="{0:g}" x2="{1:.1f}" y2="{2:.1f}"/><text x="{3:.1f}" y="{4:.1f}">{5}</text>',
+        _SIDE / 2, x, y, tx, ty, text,
+    )  # fmt: skip
 
 
-def _line(line: PolarLine, scale: float) -> str:
-    points = [_at(float(a), float(v) * scale) for a, v in zip(line.angles, line.values, strict=True)]
+def _points(line: PolarLine, scale: float) -> Array:
+    """Its points (N, 2) on the page."""
+    return np.array([_at(float(a), float(v) * scale) for a, v in zip(line.angles, line.values, strict=True)])
+
+
+def _line(own: str, points: Array) -> Html:
     text = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
-    colour = escape(line.colour)
-    return f'<polygon points="{text}" style="stroke:{colour};fill:{colour}"/>'
+    return html('<polygon points="{0}" style="stroke:{1};fill:{1}"/>', text, colour(own))
 
 
 def _ring_step(largest: float) -> float:

@@ -1,20 +1,23 @@
-"""A map seen from above as SVG: paths, patches of floor and marks; world x to the right, y upwards, metres."""
+"""A map seen from above as SVG: paths, robots, patches of floor and marks; x to the right, y upwards, metres."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from html import escape
 
 import numpy as np
 
+from holonom.app.report.drawing.labels import Box, Room, text_size
+from holonom.app.report.drawing.robot_map import LEGEND, MapRobot, robot_corners, robot_strokes, robot_svg, wheel_places
+from holonom.app.report.markup import Html, colour, html, joined
 from holonom.arrays import Array
 
-__all__ = ["MapLine", "MapMark", "MapPatch", "TopView", "topview_svg"]
+__all__ = ["MapLine", "MapMark", "MapPatch", "TopView", "legend_of", "topview_svg"]
 
-
-_WIDTH = 1080.0
-_MARGIN = 36.0
+_MARGIN = (58.0, 34.0)
+"""Left and below, and right and above: room for the ticks' numbers."""
+APART = 80.0
+"""Between two ticks at least."""
 _POINTS = 1500
 _LEAST = 0.1
 """Extent (m) of the map of a base that hardly moves."""
@@ -32,7 +35,7 @@ class MapLine:
 
 @dataclass(frozen=True, slots=True)
 class MapPatch:
-    """A patch of floor: the corners of a polygon (N, 2), and its name."""
+    """A patch of floor, or something that stands there: the corners of a polygon (N, 2), and its name."""
 
     name: str
     corners: Array
@@ -50,33 +53,69 @@ class MapMark:
 
 @dataclass(frozen=True, slots=True)
 class TopView:
-    """What the map shows, first patches, then lines, then marks."""
+    """What the map shows, first patches, then robots, lines and marks; `width` is that of its picture, px."""
 
     title: str
     lines: Sequence[MapLine]
     patches: Sequence[MapPatch] = ()
     marks: Sequence[MapMark] = ()
+    robots: Sequence[MapRobot] = ()
+    width: float = 1080.0
 
 
-def topview_svg(view: TopView) -> str:
-    """The map, with a metre's grid and room for the names of marks."""
-    points = np.concatenate([line.points for line in view.lines] + [patch.corners for patch in view.patches])
-    low, high = _room(points)
-    extent = high - low
-    scale = (_WIDTH - 2 * _MARGIN) / extent[0]
-    height = 2 * _MARGIN + scale * extent[1]
+@dataclass(frozen=True, slots=True)
+class _Sheet:
+    """Where the world lies on the page."""
 
-    def place(p: Array) -> Array:
-        flat = np.asarray(p, dtype=float)
-        return np.stack(
-            [_MARGIN + scale * (flat[..., 0] - low[0]), height - _MARGIN - scale * (flat[..., 1] - low[1])], -1
-        )
+    low: Array
+    high: Array
+    scale: float
+    width: float
+    height: float
 
-    body = _grid(low, high, place)
-    body += "".join(_patch(patch, place(patch.corners)) for patch in view.patches)
-    body += "".join(_line(line, place(line.points)) for line in view.lines)
-    body += _marks(view.marks, np.array([place(np.array(mark.place)) for mark in view.marks]), height)
-    return f'<svg viewBox="0 0 {_WIDTH:g} {height:.0f}" role="img" aria-label="{escape(view.title)}">{body}</svg>'
+    def place(self, points: Array) -> Array:
+        """Points (..., 2) of the world on the page."""
+        flat = np.asarray(points, dtype=float) - self.low
+        x, y = _MARGIN[0] + self.scale * flat[..., 0], self.height - _MARGIN[0] + 14 - self.scale * flat[..., 1]
+        return np.stack([x, y], -1)
+
+
+def topview_svg(view: TopView) -> Html:
+    """The map, with a metre's grid; names stand where they cover neither each other nor the paths."""
+    sheet = _sheet(view)
+    drawn = [_grid(sheet)]
+    drawn += [_patch(patch, sheet.place(patch.corners)) for patch in view.patches]
+    drawn += [robot_svg(robot, sheet.place) for robot in view.robots]
+    drawn += [_line(line, sheet.place(line.points)) for line in view.lines]
+    drawn += [_mark(mark, sheet.place(np.array(mark.place))) for mark in view.marks]
+    drawn += _names(view, sheet)
+    return html(
+        '<svg viewBox="0 0 {:g} {:.0f}" role="img" aria-label="{}">{}</svg>',
+        sheet.width, sheet.height, view.title, joined(drawn),
+    )  # fmt: skip
+
+
+def legend_of(view: TopView) -> list[tuple[str, str]]:
+    """Names and colours of lines, and of what is drawn of robots."""
+    lines = [(line.name, line.colour) for line in view.lines if line.name]
+    if not view.robots:
+        return lines
+    outlines = [robot.outline for robot in view.robots]
+    there = {
+        "driven wheel": any(wheel.driven for outline in outlines for wheel in outline.wheels),
+        "support polygon": any(outline.support is not None for outline in outlines),
+        "centre of mass": any(outline.com is not None for outline in outlines),
+        "centre of rotation": any(robot.centre is not None for robot in view.robots),
+    }
+    return [*lines, *((name, own) for name, own in LEGEND if there[name])]
+
+
+def _sheet(view: TopView) -> _Sheet:
+    parts = [np.asarray(line.points, dtype=float) for line in view.lines]
+    parts += [np.asarray(patch.corners, dtype=float) for patch in view.patches]
+    low, high = _room(np.concatenate([*parts, *map(robot_corners, view.robots)]))
+    scale = (view.width - sum(_MARGIN)) / float(high[0] - low[0])
+    return _Sheet(low, high, scale, view.width, sum(_MARGIN) - 14 + scale * float(high[1] - low[1]))
 
 
 def _room(points: Array) -> tuple[Array, Array]:
@@ -88,18 +127,28 @@ def _room(points: Array) -> tuple[Array, Array]:
     return low - more, high + more
 
 
-def _grid(low: Array, high: Array, place: Callable[[Array], Array]) -> str:
-    step = _step(float(max(high - low)))
-    out = ""
+def _grid(sheet: _Sheet) -> Html:
+    """Lines at round metres with their numbers, and the names of the axes."""
+    low, high, place = sheet.low, sheet.high, sheet.place
+    step = _step(sheet)
+    parts = []
     for x in _ticks(low[0], high[0], step):
         (x1, y1), (_, y2) = place(np.array([[x, low[1]], [x, high[1]]]))
-        out += f'<line class="grid" x1="{x1:.1f}" y1="{y1:.1f}" x2="{x1:.1f}" y2="{y2:.1f}"/>'
-        out += f'<text class="value" x="{x1:.1f}" y="{y1 + 18:.1f}">{x:g} m</text>'
+        parts.append(_tick(x1, y1, x1, y2))
+        parts.append(html('<text class="value" x="{:.1f}" y="{:.1f}">{:g} m</text>', x1, y1 + 16, x))
     for y in _ticks(low[1], high[1], step):
         (x1, y1), (x2, _) = place(np.array([[low[0], y], [high[0], y]]))
-        out += f'<line class="grid" x1="{x1:.1f}" y1="{y1:.1f}" x2="{x2:.1f}" y2="{y1:.1f}"/>'
-        out += f'<text class="value" x="{x1 - 17:.1f}" y="{y1:.1f}">{y:g}</text>'
-    return out
+        parts.append(_tick(x1, y1, x2, y1))
+        parts.append(html('<text class="value left" x="{:.1f}" y="{:.1f}">{:g} m</text>', x1 - 8, y1, y))
+    left, bottom = place(low)
+    right, top = place(high)
+    parts.append(html('<text class="axis" x="{:.1f}" y="{:.1f}">x</text>', right + 16, bottom))
+    parts.append(html('<text class="axis" x="{:.1f}" y="{:.1f}">y</text>', left, top - 14))
+    return joined(parts)
+
+
+def _tick(x1: float, y1: float, x2: float, y2: float) -> Html:
+    return html('<line class="grid" x1="{:.1f}" y1="{:.1f}" x2="{:.1f}" y2="{:.1f}"/>', x1, y1, x2, y2)
 
 
 def _ticks(low: float, high: float, step: float) -> Array:
@@ -107,40 +156,53 @@ def _ticks(low: float, high: float, step: float) -> Array:
     return ticks
 
 
-def _step(extent: float) -> float:
-    decade = 10.0 ** np.floor(np.log10(extent / 4))
-    return float(max(s * decade for s in (1, 2, 5) if s * decade <= extent / 4))
+def _step(sheet: _Sheet) -> float:
+    """The least of 1, 2 or 5 tens whose numbers stand apart."""
+    decade = 10.0 ** np.floor(np.log10(APART / sheet.scale))
+    return float(next(s * decade for s in (1, 2, 5, 10) if s * decade * sheet.scale >= APART))
 
 
-def _patch(patch: MapPatch, corners: Array) -> str:
-    x, y = corners.mean(axis=0)
-    return (
-        f'<polygon class="patch" points="{_text(corners)}" style="fill:{escape(patch.colour)}"/>'
-        f'<text x="{x:.1f}" y="{y:.1f}">{escape(patch.name)}</text>'
-    )
+def _patch(patch: MapPatch, corners: Array) -> Html:
+    return html('<polygon class="patch" points="{}" style="fill:{}"/>', _text(corners), colour(patch.colour))
 
 
-def _line(line: MapLine, points: Array) -> str:
-    thin = points[:: max(1, -(-len(points) // _POINTS))]
-    dash = ' stroke-dasharray="2 7"' if line.dashed else ""
-    return f'<polyline points="{_text(thin)}" style="stroke:{escape(line.colour)}"{dash}/>'
+def _line(line: MapLine, points: Array) -> Html:
+    dash = Html(' stroke-dasharray="2 7"' if line.dashed else "")
+    return html('<polyline points="{}" style="stroke:{}"{}/>', _text(_thin(points)), colour(line.colour), dash)
 
 
-def _marks(marks: Sequence[MapMark], places: Array, height: float) -> str:
-    """Dots with their names beside them, moved apart where they would overlap."""
-    taken: list[tuple[float, float]] = []
-    out = ""
-    for mark, (x, y) in zip(marks, places, strict=True):
-        ty = y - 12.0
-        while any(abs(ty - other_y) < 15 and abs(x - other_x) < 150 for other_x, other_y in taken):
-            ty += 15.0
-        taken.append((x, ty))
-        right = x > 0.62 * _WIDTH
-        anchor, tx = ("end", x - 8) if right else ("start", x + 8)
-        out += f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4.5" style="fill:{escape(mark.colour)}"/>'
-        at = f'x="{tx:.1f}" y="{min(ty, height - 6):.1f}" text-anchor="{anchor}"'
-        out += f'<text class="mark" {at}>{escape(mark.name)}</text>'
-    return out
+def _mark(mark: MapMark, at: Array) -> Html:
+    return html('<circle cx="{:.1f}" cy="{:.1f}" r="4.5" style="fill:{}"/>', *at, colour(mark.colour))
+
+
+def _names(view: TopView, sheet: _Sheet) -> list[Html]:
+    """Names of marks, robots, their wheels, and patches, in this order of worth."""
+    room = Room(sheet.width, sheet.height - _MARGIN[0] + 14)
+    room.take(Box(0.0, 0.0, _MARGIN[0] - 4, sheet.height))  # the ticks' numbers
+    for line in view.lines:
+        room.cross(_thin(sheet.place(line.points)))
+    for robot in view.robots:
+        for stroke in robot_strokes(robot):
+            room.cross(sheet.place(stroke))
+    texts = [_name(mark.name, sheet.place(np.array(mark.place)), room, "mark") for mark in view.marks]
+    for robot in view.robots:
+        clear = sheet.scale * float(np.hypot(*robot.outline.skin.T).max())
+        texts += [_name(robot.name, sheet.place(robot.pose[:2]), room, "mark", clear=clear)] if robot.name else []
+        texts += [_name(text, sheet.place(at), room, "") for text, at in wheel_places(robot) if robot.named]
+    middles = [(patch.name, sheet.place(patch.corners).mean(axis=0)) for patch in view.patches]
+    return [*texts, *(_name(text, at, room, "", centred=True) for text, at in middles)]
+
+
+def _name(text: str, at: Array, room: Room, kind: str, *, clear: float = 0.0, centred: bool = False) -> Html:
+    x, y = (float(v) for v in at)
+    found = room.place((x, y), text_size(text, bold=kind == "mark"), clear=clear, centred=centred)
+    lead = html('<line class="lead" x1="{:.1f}" y1="{:.1f}" x2="{:.1f}" y2="{:.1f}"/>', x, y, found.x, found.y)
+    name = html('<text class="halo {}" x="{:.1f}" y="{:.1f}">{}</text>', kind, found.x, found.y, text)
+    return joined([lead, name] if found.far else [name])
+
+
+def _thin(points: Array) -> Array:
+    return points[:: max(1, -(-len(points) // _POINTS))]
 
 
 def _text(points: Array) -> str:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from html import escape
 
 import numpy as np
 
+from holonom.app.report.markup import Html, html, joined
 from holonom.arrays import Array
 
 __all__ = ["ComparedRun", "Comparison", "Phase", "comparison_html", "phase_errors"]
@@ -53,46 +53,46 @@ def phase_errors(run: ComparedRun, phase: Phase) -> tuple[float, float]:
     return float(np.sqrt(np.mean(distance**2))), float(distance.max())
 
 
-def comparison_html(comparison: Comparison) -> str:
+def comparison_html(comparison: Comparison) -> Html:
     """A table of errors with ratios, and drawings of the path with the deviation magnified."""
-    drawings = "".join(_phase_drawings(comparison, i) for i in range(len(comparison.runs[0].phases)))
-    return (
-        f'<section id="{escape(comparison.name)}" class="card comparison"><h2>{escape(comparison.title)}</h2>'
-        f"{_table(comparison)}<div class='drawings'>{drawings}</div>"
-        '<p class="note">Distance between the desired and the actual tool point at the same instant.</p></section>'
-    )
+    drawings = joined(_phase_drawings(comparison, i) for i in range(len(comparison.runs[0].phases)))
+    return html(
+        '<section id="{}" class="card comparison"><h2>{}</h2><div class="wide">{}</div><div class="drawings">{}</div>'
+        '<p class="note">Distance between the desired and the actual tool point at the same instant.</p></section>',
+        comparison.name, comparison.title, _table(comparison), drawings,
+    )  # fmt: skip
 
 
-def _table(comparison: Comparison) -> str:
+def _table(comparison: Comparison) -> Html:
     runs, last = comparison.runs, comparison.runs[-1]
-    head = "".join(
-        f'<th colspan="2"><i style="background:{_COLOURS[i % 4]}"></i>{escape(run.name)}</th>'
+    head = joined(
+        html('<th colspan="2"><i style="background:{}"></i>{}</th>', _COLOURS[i % 4], run.name)
         for i, run in enumerate(runs)
     )
-    ratios = "".join(f'<th colspan="2">{escape(run.name)} : {escape(last.name)}</th>' for run in runs[:-1])
-    units = "<th>rms mm</th><th>peak mm</th>" * len(runs) + "<th>rms</th><th>peak</th>" * (len(runs) - 1)
-    rows = "".join(_table_row(comparison, i) for i in range(len(last.phases)))
-    return (
-        f'<table class="compare"><thead><tr><th></th>{head}{ratios}</tr><tr><th></th>{units}</tr></thead>'
-        f"<tbody>{rows}</tbody></table>"
-    )
+    ratios = joined(html('<th colspan="2">{} : {}</th>', run.name, last.name) for run in runs[:-1])
+    units = Html("<th>rms mm</th><th>peak mm</th>" * len(runs) + "<th>rms</th><th>peak</th>" * (len(runs) - 1))
+    rows = joined(_table_row(comparison, i) for i in range(len(last.phases)))
+    return html(
+        '<table class="compare"><thead><tr><th></th>{}{}</tr><tr><th></th>{}</tr></thead><tbody>{}</tbody></table>',
+        head, ratios, units, rows,
+    )  # fmt: skip
 
 
-def _table_row(comparison: Comparison, index: int) -> str:
+def _table_row(comparison: Comparison, index: int) -> Html:
     errors = [phase_errors(run, run.phases[index]) for run in comparison.runs]
-    values = "".join(f"<td>{1e3 * rms:.3f}</td><td>{1e3 * peak:.3f}</td>" for rms, peak in errors)
-    ratios = "".join(
-        f"<td><b>{_ratio(rms, errors[-1][0])}</b></td><td><b>{_ratio(peak, errors[-1][1])}</b></td>"
+    values = joined(html("<td>{:.3f}</td><td>{:.3f}</td>", 1e3 * rms, 1e3 * peak) for rms, peak in errors)
+    ratios = joined(
+        html("<td><b>{}</b></td><td><b>{}</b></td>", _ratio(rms, errors[-1][0]), _ratio(peak, errors[-1][1]))
         for rms, peak in errors[:-1]
     )
-    return f"<tr><th>{escape(comparison.runs[-1].phases[index].name)}</th>{values}{ratios}</tr>"
+    return html("<tr><th>{}</th>{}{}</tr>", comparison.runs[-1].phases[index].name, values, ratios)
 
 
 def _ratio(above: float, below: float) -> str:
     return f"{above / below:.1f}" if below > 0 else "∞"
 
 
-def _phase_drawings(comparison: Comparison, index: int) -> str:
+def _phase_drawings(comparison: Comparison, index: int) -> Html:
     parts = [_within(run, run.phases[index]) for run in comparison.runs]
     desired = np.concatenate([part[0] for part in parts])
     plane = _drawing_plane(desired)
@@ -102,7 +102,7 @@ def _phase_drawings(comparison: Comparison, index: int) -> str:
     gain = _round_down(0.12 * extent / worst) if worst > 0 else 1.0
     centre = (flat.max(axis=0) + flat.min(axis=0)) / 2 + desired.mean(axis=0) @ plane.T
     scale = 0.72 * _SIDE / extent
-    return "".join(
+    return joined(
         _drawing(run.name, run.phases[index].name, gain, _COLOURS[i % 4], _lines(part, plane, centre, scale, gain))
         for i, (run, part) in enumerate(zip(comparison.runs, parts, strict=True))
     )
@@ -121,13 +121,13 @@ def _points(flat: Array) -> str:
     return " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
 
 
-def _drawing(run: str, phase: str, gain: float, colour: str, lines: tuple[str, str]) -> str:
-    return (
-        f'<figure><svg viewBox="0 0 {_SIDE:g} {_SIDE:g}" role="img" aria-label="path of {escape(run)}">'
-        f'<polyline class="desired" points="{lines[0]}"/>'
-        f'<polyline points="{lines[1]}" style="stroke:{colour}"/></svg>'
-        f"<figcaption><b>{escape(phase)}</b>, {escape(run)}<br>deviation × {gain:g}</figcaption></figure>"
-    )
+def _drawing(run: str, phase: str, gain: float, colour: str, lines: tuple[str, str]) -> Html:
+    return html(
+        '<figure><svg viewBox="0 0 {side:g} {side:g}" role="img" aria-label="path of {run}">'
+        '<polyline class="desired" points="{wanted}"/><polyline points="{shown}" style="stroke:{colour}"/></svg>'
+        "<figcaption><b>{phase}</b>, {run}<br>deviation × {gain:g}</figcaption></figure>",
+        side=_SIDE, run=run, wanted=lines[0], shown=lines[1], colour=colour, phase=phase, gain=gain,
+    )  # fmt: skip
 
 
 def _drawing_plane(points: Array) -> Array:

@@ -73,7 +73,7 @@ class FaultFacts:
 
 @dataclass(frozen=True, slots=True)
 class PatchFacts:
-    """A patch of other floor: corners (N, 2) in the world."""
+    """A patch of other floor, or what an obstacle covers of it: corners (N, 2) in the world."""
 
     name: str
     corners: Rows
@@ -169,6 +169,7 @@ class CellFacts:
     patches: tuple[PatchFacts, ...] = ()
     fields: tuple[FieldFacts, ...] = ()
     parts: tuple[PartFacts, ...] = ()
+    obstacles: tuple[PatchFacts, ...] = ()
 
 
 Numbers = Mapping[str, float]

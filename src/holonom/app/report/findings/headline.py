@@ -1,4 +1,4 @@
-"""What came of a robot in a few numbers, with their labels."""
+"""How a run ended, as the badge at the head of the page says it, and what came of a robot in a few numbers."""
 
 from __future__ import annotations
 
@@ -6,10 +6,23 @@ import numpy as np
 
 from holonom.app.report.findings.base_findings import Phase, findings_of, motion_of, path_error
 from holonom.app.report.findings.peaks import peaks_of
-from holonom.app.report.source import RobotSource
+from holonom.app.report.sections import Outcome
+from holonom.app.report.source import RobotSource, Source
 from holonom.model.joint_kinds import kind_of
 
-__all__ = ["headline_of"]
+__all__ = ["badge_of", "headline_of"]
+
+TONES = {"done": "ok", "paused": "held", "stopped": "held", "unknown": "unsaid"}
+"""Badges of endings; of any other, such as a fault, a time limit or a recording that was cut off, it is red."""
+
+
+def badge_of(source: Source) -> Outcome:
+    """The badge: why the run ended; of a base that is alone and did as told, how far off it was at most."""
+    ending, text = source.ending, source.ending.reason or source.ending.status
+    motion = motion_of(source.robots[0].recording) if source.alone else None
+    if ending.status == "done" and motion is not None and len(motion.time):
+        text += f", at most {1e3 * motion.error.max():.0f} mm off"
+    return Outcome(ending.status == "done", text, TONES.get(ending.status, "bad"))
 
 
 def headline_of(robot: RobotSource) -> dict[str, str]:

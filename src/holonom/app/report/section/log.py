@@ -16,4 +16,4 @@ def _parts(source: Source) -> Sequence[EventLog]:
     return [EventLog(source.events, [robot.name for robot in source.robots if robot.name])]
 
 
-SECTION = Method("the log", lambda _: Section(lambda s: True, _parts), OWN)
+SECTION = Method("the log", lambda _: Section(lambda source: bool(source.events), _parts), OWN)

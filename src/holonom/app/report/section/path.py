@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from holonom.app.report.drawing.figures import Figures, Table
+from holonom.app.report.drawing.robot_map import MapRobot
 from holonom.app.report.drawing.topview import MapLine, MapMark, MapPatch, TopView
 from holonom.app.report.findings.base_findings import BaseFindings, Motion, Phase, findings_of, motion_of, path_error
+from holonom.app.report.findings.base_outline import base_of, stations
 from holonom.app.report.section_table import Section
 from holonom.app.report.source import BARE, RobotSource, Source
 from holonom.registry import OWN, Method
 
 __all__ = ["SECTION"]
 
-REFERENCE, TRUE, BELIEVED, OTHER = "#16202e", "#0f766e", "#8f7ae0", "#f0a37f"
-PATCH, MARK = "#bfe3f5", "#b3261e"
+REFERENCE, TRUE, BELIEVED, OTHER = "var(--ink)", "#0f766e", "#8f7ae0", "#f0a37f"
+PATCH, OBSTACLE, MARK = "#bfe3f5", "#e07a5f", "#b3261e"
 COLOURS = ("#0b7285", "#d9480f", "#5f3dc4", "#2b8a3e", "#c2255c", "#9c6f00", "#1864ab", "#495057")
 MARKS, ROWS = 40, 200
 """Marks on a map and rows of the table; more cannot be read."""
@@ -33,13 +36,20 @@ def _parts(source: Source) -> Sequence[Figures]:
 
 
 def _together(source: Source, moving: Sequence[tuple[RobotSource, Motion]]) -> Figures:
-    """Where all of them drove."""
+    """Where all of them drove, and stood at the end."""
     lines = [MapLine(robot.name, m.true[:, :2], COLOURS[k % len(COLOURS)]) for k, (robot, m) in enumerate(moving)]
-    return Figures("paths", "Paths of all bases", [TopView("seen from above", lines, _patches(source))])
+    ends = [replace(stood, name=robot.name) for robot, m in moving for stood in _stations(robot, m)[-1:]]
+    return Figures("paths", "Paths of all bases", [TopView("seen from above", lines, _patches(source), robots=ends)])
 
 
 def _patches(source: Source) -> list[MapPatch]:
-    return [MapPatch(patch.name, np.array(patch.corners), PATCH) for patch in source.cell.patches]
+    patches = [MapPatch(patch.name, np.array(patch.corners), PATCH) for patch in source.cell.patches]
+    return patches + [MapPatch(one.name, np.array(one.corners), OBSTACLE) for one in source.cell.obstacles]
+
+
+def _stations(robot: RobotSource, motion: Motion) -> list[MapRobot]:
+    base = base_of(robot.facts)
+    return [] if base is None else stations(base, robot.recording, motion.time, motion.true)
 
 
 def _moving(source: Source) -> list[tuple[RobotSource, Motion]]:
@@ -51,7 +61,9 @@ def _section(source: Source, robot: RobotSource, motion: Motion) -> Figures:
     found = findings_of(robot.recording, robot.facts)
     other = robot.beside.get(BARE)
     bare = motion_of(other.recording) if other is not None else None
-    map_ = TopView("seen from above", _lines(motion, bare), _patches(source), _marks(found, motion))
+    map_ = TopView(
+        "seen from above", _lines(motion, bare), _patches(source), _marks(found, motion), _stations(robot, motion)
+    )
     title = robot.called("Path")
     return Figures(robot.key("path"), title, [map_, _table(found, motion, bare)], NOTE)
 

@@ -9,7 +9,8 @@ import numpy as np
 from holonom.app.report.drawing.figures import Figures
 from holonom.app.report.drawing.polar import Polar, PolarLine
 from holonom.app.report.findings.base_findings import findings_of
-from holonom.app.report.findings.facts import BaseFacts, RobotFacts
+from holonom.app.report.findings.base_outline import base_of
+from holonom.app.report.findings.facts import BaseFacts
 from holonom.app.report.section_table import Section
 from holonom.app.report.source import RobotSource, Source
 from holonom.arrays import Array
@@ -29,11 +30,10 @@ def _parts(source: Source) -> Sequence[Figures]:
 
 def _section(robot: RobotSource) -> Figures | None:
     """None for what is no base, and for one that these plots are not defined for."""
-    facts = robot.facts.base
-    if facts is None or facts.mass is None:
+    facts, base = robot.facts.base, base_of(robot.facts)
+    if facts is None or base is None or facts.mass is None:
         return None
     dead = [motor.wheel for motor in findings_of(robot.recording, robot.facts).dead if motor.reached]
-    base = _base(robot.facts, facts)
     try:
         if np.linalg.matrix_rank(base.velocity_coupling, tol=1e-9) < 3:  # it cannot drive in all directions
             return None
@@ -41,13 +41,6 @@ def _section(robot: RobotSource) -> Figures | None:
     except InputError:  # steered wheels have no constant coupling
         return None
     return Figures(robot.key("polar"), robot.called("What the drive can do"), figures, NOTE)
-
-
-def _base(robot: RobotFacts, facts: BaseFacts) -> WheelBase:
-    return WheelBase(
-        facts.wheels, name=robot.model, radius=facts.radius, alpha=facts.alpha, mass=facts.mass, com=facts.com,
-        com_height=facts.com_height,
-    )  # fmt: skip
 
 
 def _figures(base: WheelBase, facts: BaseFacts, dead: Sequence[str]) -> list[Polar]:
