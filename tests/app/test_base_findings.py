@@ -12,7 +12,7 @@ from report_jobs import WHEELS, base_job, job_of
 from holonom.app.recording import BaseTrack, Recording, Track
 from holonom.app.report.attachments import cell_facts
 from holonom.app.report.findings.base_findings import Phase, findings_of, motion_of, path_error
-from holonom.app.report.findings.base_words import dead_since, said_of
+from holonom.app.report.findings.base_words import dead_since, verdicts_of
 from holonom.app.report.findings.facts import FaultFacts, RobotFacts
 from holonom.signals import Event
 
@@ -156,7 +156,7 @@ def test_motors_that_fail_and_those_that_were_given_up_without_need() -> None:
 
 def test_words_of_other_robots_are_not_this_ones() -> None:
     other = Event(1.0, "warning", "other.slip detection", "rear left slips")
-    assert said_of([other], END).named == {}
+    assert verdicts_of([other], END).named == {}
     assert dead_since([replace(other, text="the motor of rear left does not do as told")]) == {}
 
 

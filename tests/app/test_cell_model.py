@@ -14,6 +14,7 @@ from holonom.app.cell import Cell, cell_schema, load_cell
 from holonom.app.cell.model.short import SHORT
 from holonom.app.job import Job
 from holonom.errors import CellError
+from holonom.geometry import Box, Cylinder
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 
@@ -86,8 +87,8 @@ def test_every_key_of_the_world(job: Job) -> None:
     assert (disc.name, disc.radius, disc.thickness, disc.mass) == ("puck", 0.02, 0.01, 0.1)
     np.testing.assert_allclose(disc.pose[:3, 3], [0.7, 0.0, 0.305])
     box, post = job.obstacles
-    assert (box.name, box.size) == ("crate", (0.2, 0.3, 0.4))
-    assert (post.name, post.size, post.radius, post.height) == ("post", None, 0.05, 1.5)
+    assert (box.name, box.shape) == ("crate", Box((0.2, 0.3, 0.4)))
+    assert (post.name, post.shape) == ("post", Cylinder(0.05, 1.5))
     assert [(e.at, e.number, e.on) for e in job.events] == [(1.0, 3, True), (4.0, 3, False)]
     assert job.fields[0].name == "small"
     assert job.fields[0].size == pytest.approx((0.08, 0.04))

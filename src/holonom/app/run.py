@@ -21,7 +21,7 @@ from holonom.app.recording.robot import base_words
 from holonom.app.report.attached import OUTCOME, ending_words
 from holonom.app.report.attachments import attachments_of
 from holonom.app.report.findings.summary import summary_of
-from holonom.app.report.findings.told import told
+from holonom.app.report.findings.summary_lines import summary_lines
 from holonom.app.report.reporting import report_html
 from holonom.app.report.source import source_of
 from holonom.app.rig import Ended, Ending, Rig, simulated
@@ -195,7 +195,7 @@ def _tell(runs: list[Done], folder: RunFolder) -> Answer:
     folder.write(REPORT, report_html(source))
     summary = summary_of(source)
     folder.write(SUMMARY, json.dumps(summary, indent=2, allow_nan=False) + "\n")
-    last, lines = runs[-1].ended, told(source, summary)
+    last, lines = runs[-1].ended, summary_lines(source, summary)
     if last.ending is Ending.FAILED and last.fault is not None:
         what = "\n".join([str(last.fault), *(f"  {line}" for line in lines[1:])])
         raise type(last.fault)(f"{what}\n  what was recorded until then is in {folder.path}") from last.fault

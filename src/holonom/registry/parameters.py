@@ -130,8 +130,8 @@ def parameter(
 
     `extra` joins the field's metadata: how an option is written on the command line.
     """
-    said = Parameter(meaning, unit, least, most, above, below, choices, example)
-    return dataclasses.field(default=default, metadata={_KEY: said, **extra})
+    limit = Parameter(meaning, unit, least, most, above, below, choices, example)
+    return dataclasses.field(default=default, metadata={_KEY: limit, **extra})
 
 
 def parameters_of(record: type[Any]) -> tuple[Field, ...]:
@@ -207,22 +207,22 @@ def check_value(what: str, value: Any, field: Field) -> Any:
     return _checked(what, value, field.type, field.parameter)
 
 
-def _checked(what: str, value: Any, kind: Any, said: Parameter) -> Any:
+def _checked(what: str, value: Any, kind: Any, limit: Parameter) -> Any:
     if get_origin(kind) in (Union, UnionType):
         if value is None and NoneType in get_args(kind):
             return None
         kind = _part(get_args(kind), value)
     if get_origin(kind) is tuple:
-        return _tuple(what, value, get_args(kind), said)
+        return _tuple(what, value, get_args(kind), limit)
     if kind is float and isinstance(value, Real) and not isinstance(value, bool):
         value = float(value)
     wanted: Any = Integral if kind is int else kind
     if not isinstance(value, wanted) or (kind is int and isinstance(value, bool)):
-        raise InputError(f"{what} is {value!r}; it must be {_WORDS.get(kind, f'a {kind.__name__}')}{_within(said)}")
-    if isinstance(value, str) and said.choices is not None and value not in said.names():
-        raise UnknownName(f"value of {what}", value, said.names())
-    if kind in (int, float) and not said.allows(value):
-        raise OutOfLimits(f"{what} is {value!r}; it must be {said.allowed}")
+        raise InputError(f"{what} is {value!r}; it must be {_WORDS.get(kind, f'a {kind.__name__}')}{_within(limit)}")
+    if isinstance(value, str) and limit.choices is not None and value not in limit.names():
+        raise UnknownName(f"value of {what}", value, limit.names())
+    if kind in (int, float) and not limit.allows(value):
+        raise OutOfLimits(f"{what} is {value!r}; it must be {limit.allowed}")
     return value
 
 
@@ -233,21 +233,21 @@ def _part(kinds: tuple[Any, ...], value: Any) -> Any:
     return fitting[0] if fitting else next(part for part in kinds if part is not NoneType)
 
 
-def _tuple(what: str, value: Any, kinds: tuple[Any, ...], said: Parameter) -> tuple[Any, ...]:
+def _tuple(what: str, value: Any, kinds: tuple[Any, ...], limit: Parameter) -> tuple[Any, ...]:
     if not isinstance(value, (list, tuple)):
         raise InputError(f"{what} is {value!r}; it must be a list")
     if kinds[-1] is Ellipsis:
         kinds = (kinds[0],) * len(value)
     if len(value) != len(kinds):
         raise InputError(f"{what} has {len(value)} entries; {len(kinds)} are needed")
-    return tuple(_checked(what, entry, kind, said) for entry, kind in zip(value, kinds, strict=True))
+    return tuple(_checked(what, entry, kind, limit) for entry, kind in zip(value, kinds, strict=True))
 
 
 _WORDS = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
 
 
-def _within(said: Parameter) -> str:
-    return f" {said.range}" if said.range else ""
+def _within(limit: Parameter) -> str:
+    return f" {limit.range}" if limit.range else ""
 
 
 def _shown(bound: float) -> str:

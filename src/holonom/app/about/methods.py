@@ -114,18 +114,18 @@ def _data(name: str, method: Method) -> dict[str, Any]:
 
 
 def _parameter(field: Field) -> dict[str, Any]:
-    said = field.parameter
-    bounds = {bound: getattr(said, bound) for bound in ("least", "most", "above", "below")}
+    stated = field.parameter
+    bounds = {bound: getattr(stated, bound) for bound in ("least", "most", "above", "below")}
     return {
         "name": field.name,
         "type": _type(field.type),
-        "unit": said.unit,
-        "range": said.range,
+        "unit": stated.unit,
+        "range": stated.range,
         "bounds": {name: bound for name, bound in bounds.items() if bound is not None and math.isfinite(bound)},
-        "choices": list(said.names()),
+        "choices": list(stated.names()),
         "required": field.required,
         "default": None if field.required else _value(field.default),
-        "meaning": said.meaning,
+        "meaning": stated.meaning,
     }
 
 

@@ -66,7 +66,7 @@ def _short() -> dict[str, Any]:
         "path": ("PathTable", "where it drives"),
     }
     found: dict[str, Any] = {
-        key: {"$ref": f"#/$defs/{name}", "description": said} for key, (name, said) in tables.items()
+        key: {"$ref": f"#/$defs/{name}", "description": description} for key, (name, description) in tables.items()
     }
     faults = {"type": "array", "items": {"$ref": "#/$defs/FaultTable"}, "description": "what breaks"}
     return {**found, "faults": faults}
@@ -79,17 +79,17 @@ def _arm(robot: dict[str, Any]) -> dict[str, Any]:
     return _table("The arm and what moves it.", own)
 
 
-def _table(said: str, properties: dict[str, Any]) -> dict[str, Any]:
-    return {"type": "object", "description": said, "properties": properties, "additionalProperties": False}
+def _table(description: str, properties: dict[str, Any]) -> dict[str, Any]:
+    return {"type": "object", "description": description, "properties": properties, "additionalProperties": False}
 
 
 def _but(properties: dict[str, Any], left_out: tuple[str, ...]) -> dict[str, Any]:
     return {key: value for key, value in properties.items() if key not in left_out}
 
 
-def _names(said: str, names: Iterable[str]) -> dict[str, Any]:
-    return {"type": "string", "enum": list(names), "description": said}
+def _names(description: str, names: Iterable[str]) -> dict[str, Any]:
+    return {"type": "string", "enum": list(names), "description": description}
 
 
-def _text(said: str) -> dict[str, Any]:
-    return {"type": "string", "description": said}
+def _text(description: str) -> dict[str, Any]:
+    return {"type": "string", "description": description}

@@ -41,12 +41,12 @@ class _Form:
         return tuple(filter(None, (self.short, "--" + field.name.rstrip("_").replace("_", "-"))))
 
 
-def argument(meaning: str, *, metavar: str, default: Any = MISSING, **said: Any) -> Any:
+def argument(meaning: str, *, metavar: str, default: Any = MISSING, **given_as: Any) -> Any:
     """Return the field of a positional argument, `said` as of `registry.parameter`; with a default it may be left out.
 
     A tuple takes one word or more, with the default () any number.
     """
-    return parameter(default, meaning=meaning, extra={_KEY: _Form(True, metavar)}, **said)
+    return parameter(default, meaning=meaning, extra={_KEY: _Form(True, metavar)}, **given_as)
 
 
 def option(
@@ -56,13 +56,13 @@ def option(
     metavar: str | tuple[str, ...] | None = None,
     short: str = "",
     either: str = "",
-    **said: Any,
+    **given_as: Any,
 ) -> Any:
     """Return the field of an option, `said` as of `registry.parameter`; with the default MISSING it must be given.
 
     Of the options with the same `either` only one may come.
     """
-    return parameter(default, meaning=meaning, extra={_KEY: _Form(False, metavar, short, either)}, **said)
+    return parameter(default, meaning=meaning, extra={_KEY: _Form(False, metavar, short, either)}, **given_as)
 
 
 def output(meaning: str) -> Any:
@@ -132,17 +132,17 @@ def _parser(fields: Iterable[tuple[Field, _Form]], prog: str, description: str) 
 
 
 def _add(parser: Any, field: Field, form: _Form) -> None:
-    said: dict[str, Any] = {"help": _help(field), "default": argparse.SUPPRESS}
+    given_as: dict[str, Any] = {"help": _help(field), "default": argparse.SUPPRESS}
     if field.type is bool:
-        said["action"] = "store_true"
+        given_as["action"] = "store_true"
     else:
         names = field.parameter.names()
-        said["metavar"] = form.metavar or (f"{{{','.join(names)}}}" if names else None)
-        said["nargs"] = _nargs(field, form)
+        given_as["metavar"] = form.metavar or (f"{{{','.join(names)}}}" if names else None)
+        given_as["nargs"] = _nargs(field, form)
     if form.positional:
-        parser.add_argument(field.name, **said)
+        parser.add_argument(field.name, **given_as)
     else:
-        parser.add_argument(*form.flags(field), dest=field.name, required=field.required, **said)
+        parser.add_argument(*form.flags(field), dest=field.name, required=field.required, **given_as)
 
 
 def _nargs(field: Field, form: _Form) -> str | int | None:
@@ -172,17 +172,17 @@ def _refuse_unknown(fields: Iterable[tuple[Field, _Form]], words: Sequence[str],
             raise UsageError(str(UnknownName(f"option of {prog}", name, [k for k in known if k.startswith("--")])))
 
 
-def _read(called: str, said: str | Sequence[str] | bool, field: Field, form: _Form) -> Any:
+def _read(called: str, given_as: str | Sequence[str] | bool, field: Field, form: _Form) -> Any:
     """Return the value of what came for a field."""
-    if isinstance(said, bool):
-        return said
+    if isinstance(given_as, bool):
+        return given_as
     kind = field.type
     if NoneType in get_args(kind):
         kind = next(part for part in get_args(kind) if part is not NoneType)
     if get_origin(kind) is not tuple:
-        assert isinstance(said, str)
-        return check_value(called, _from_text(called, said, kind), field)
-    words = said.split(",") if isinstance(said, str) else said
+        assert isinstance(given_as, str)
+        return check_value(called, _from_text(called, given_as, kind), field)
+    words = given_as.split(",") if isinstance(given_as, str) else given_as
     return check_value(called, tuple(_from_text(called, word, get_args(kind)[0]) for word in words), field)
 
 

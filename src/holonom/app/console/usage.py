@@ -57,20 +57,20 @@ def find_command(words: Sequence[str]) -> tuple[Method, Any]:
 
 def _name(words: Sequence[str]) -> str:
     """Return the name of the command that the words begin with, of one word or two."""
-    said = [word for word in words[:2] if not word.startswith("-")]
-    if not said or words[0] != said[0]:
+    given_as = [word for word in words[:2] if not word.startswith("-")]
+    if not given_as or words[0] != given_as[0]:
         came = f"option {words[0]!r} came before a command" if words else "no command came"
         raise UsageError(f"{came}; there is {', '.join(COMMANDS)}; 'holonom --help' says what they do")
-    subjects = _subjects(said[0])
+    subjects = _subjects(given_as[0])
     if not subjects:
-        _check("command", said[0], {name.split()[0] for name in COMMANDS})
-        return said[0]
-    if len(said) < 2:
+        _check("command", given_as[0], {name.split()[0] for name in COMMANDS})
+        return given_as[0]
+    if len(given_as) < 2:
         raise UsageError(
-            f"holonom {said[0]} needs a subject; there is {', '.join(name.split()[1] for name in subjects)}"
+            f"holonom {given_as[0]} needs a subject; there is {', '.join(name.split()[1] for name in subjects)}"
         )
-    _check(f"subject of holonom {said[0]}", said[1], [name.split()[1] for name in subjects])
-    return " ".join(said)
+    _check(f"subject of holonom {given_as[0]}", given_as[1], [name.split()[1] for name in subjects])
+    return " ".join(given_as)
 
 
 def _check(kind: str, name: str, known: Iterable[str]) -> None:

@@ -145,7 +145,7 @@ def _property(field: Field) -> dict[str, Any]:
 
 
 def _form(kind: Any, field: Field) -> dict[str, Any]:
-    said = field.parameter
+    stated = field.parameter
     if get_origin(kind) is tuple:
         parts = get_args(kind)
         count = {} if parts[-1] is Ellipsis else {"minItems": len(parts), "maxItems": len(parts)}
@@ -153,12 +153,12 @@ def _form(kind: Any, field: Field) -> dict[str, Any]:
     some = [part for part in get_args(kind) if part is not NoneType]
     if some:
         return _form(some[0], field) if len(some) == 1 else {"anyOf": [_form(part, field) for part in some]}
-    dimension = _dimension(said.unit)
+    dimension = _dimension(stated.unit)
     if kind is float and dimension is not None:
         return {"type": "string", "pattern": _TEXT.format(units="|".join(DIMENSIONS[dimension]))}
-    if said.choices is not None:
-        return {"type": "string", "enum": list(said.names())}
-    bounds = zip(_BOUNDS, (said.least, said.most, said.above, said.below), strict=True)
+    if stated.choices is not None:
+        return {"type": "string", "enum": list(stated.names())}
+    bounds = zip(_BOUNDS, (stated.least, stated.most, stated.above, stated.below), strict=True)
     return {"type": _TYPES[kind], **{word: bound for word, bound in bounds if bound is not None and isfinite(bound)}}
 
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from holonom.app.recording.format.decoded import Decoded, Frames
-from holonom.app.recording.format.heard import Messages
 from holonom.app.recording.format.messages import WORLD
-from holonom.app.recording.format.pieces import Pieces, Said, read_pieces
+from holonom.app.recording.format.pieces import Pieces, Stream, read_pieces
+from holonom.app.recording.format.topic_messages import Messages
 from holonom.app.recording.recording import COMPLETE, CUT_OFF, Recording
 from holonom.app.recording.scope import bare
 from holonom.app.recording.tracks import Track
@@ -29,9 +29,9 @@ FORMER = {
     "/wheel_slip": "/truth/wheel_slip",
     "/wheel_residual": "/estimated/wheel_residual",
 }
-"""What topics were called before a recording said of each what it is."""
+"""What topics were called before a recording stream of each what it is."""
 
-Heard = dict[Said, Decoded]
+Heard = dict[Stream, Decoded]
 
 
 def read_recording(path: str | Path, *, robot: str | None = None, topics: Sequence[Topic] = TOPICS) -> Recording:
@@ -59,11 +59,11 @@ def read_recording(path: str | Path, *, robot: str | None = None, topics: Sequen
     UnknownName
         No such robot.
     """
-    pieces, heard = _read(Path(path), topics)
+    pieces, by_stream = _read(Path(path), topics)
     robots = _robots(pieces, topics)
     if robot is not None and robot not in (robots or ("",)):
         raise UnknownName("robot in the recording", robot, robots)
-    return _recordings(pieces, heard, (robot if robot is not None else next(iter(robots), ""),), robots)[0]
+    return _recordings(pieces, by_stream, (robot if robot is not None else next(iter(robots), ""),), robots)[0]
 
 
 def read_robots(path: str | Path, *, topics: Sequence[Topic] = TOPICS) -> dict[str, Recording]:
@@ -80,33 +80,33 @@ def read_robots(path: str | Path, *, topics: Sequence[Topic] = TOPICS) -> dict[s
     InputError
         As `read_recording`.
     """
-    pieces, heard = _read(Path(path), topics)
+    pieces, by_stream = _read(Path(path), topics)
     robots = _robots(pieces, topics)
     names = tuple(dict.fromkeys(("", *robots)))
-    return dict(zip(names, _recordings(pieces, heard, names, robots), strict=True))
+    return dict(zip(names, _recordings(pieces, by_stream, names, robots), strict=True))
 
 
 def _read(path: Path, topics: Sequence[Topic]) -> tuple[Pieces, Heard]:
-    heard: Heard = {}
+    by_stream: Heard = {}
 
-    def take(said: Said, messages: Messages) -> None:
-        if said not in heard:
-            row = _row(_name(said), topics)
-            heard[said] = Decoded(path, _name(said), row)
-        heard[said].add(messages)
+    def take(stream: Stream, messages: Messages) -> None:
+        if stream not in by_stream:
+            row = _row(_name(stream), topics)
+            by_stream[stream] = Decoded(path, _name(stream), row)
+        by_stream[stream].add(messages)
 
-    return read_pieces(path, take), heard
+    return read_pieces(path, take), by_stream
 
 
 def _robots(pieces: Pieces, topics: Sequence[Topic]) -> tuple[str, ...]:
     shared = {topic.name for topic in (*TOPICS, *topics) if topic.shared}
-    return tuple(dict.fromkeys(said.robot for said in pieces.topics if said.topic not in shared))
+    return tuple(dict.fromkeys(stream.robot for stream in pieces.topics if stream.topic not in shared))
 
 
-def _name(said: Said) -> str:
+def _name(stream: Stream) -> str:
     """Name of a topic in the table."""
-    name = said.topic if said.kind else FORMER.get(said.topic, said.topic)
-    return name.removeprefix(f"/{said.robot}") if said.robot else name
+    name = stream.topic if stream.kind else FORMER.get(stream.topic, stream.topic)
+    return name.removeprefix(f"/{stream.robot}") if stream.robot else name
 
 
 def _row(name: str, topics: Sequence[Topic]) -> Topic | None:
@@ -117,16 +117,20 @@ def _row(name: str, topics: Sequence[Topic]) -> Topic | None:
     return None
 
 
-def _recordings(pieces: Pieces, heard: Heard, names: Sequence[str], robots: tuple[str, ...]) -> list[Recording]:
+def _recordings(pieces: Pieces, by_stream: Heard, names: Sequence[str], robots: tuple[str, ...]) -> list[Recording]:
     """One for each name; what they share is made once."""
-    shared = {decoded.name: decoded for decoded in heard.values() if decoded.row is not None and decoded.row.shared}
+    shared = {decoded.name: decoded for decoded in by_stream.values() if decoded.row is not None and decoded.row.shared}
     frames = {name: track for (parent, name), track in _frames(shared, "/truth/tf").items() if parent == WORLD}
     tree, events = _frames(shared, "/tf"), shared["/rosout"].events if "/rosout" in shared else ()
     common = {name: decoded.track() for name, decoded in shared.items()}
     found = []
     for robot in names:
-        own = {said: decoded for said, decoded in heard.items() if decoded.row is not None and not decoded.row.shared}
-        tracks = {decoded.name: decoded.track() for said, decoded in own.items() if said.robot == robot}
+        own = {
+            stream: decoded
+            for stream, decoded in by_stream.items()
+            if decoded.row is not None and not decoded.row.shared
+        }
+        tracks = {decoded.name: decoded.track() for stream, decoded in own.items() if stream.robot == robot}
         joints = next((track.names for track in tracks.values() if track.names), ())
         found.append(
             Recording(

@@ -172,10 +172,10 @@ class Recorder:
             text = schema_text(topic.type).encode()
             schema_name = topic.type.replace("/", "/msg/")
             self._schemas[topic.type] = self._writer.register_schema(schema_name, SchemaEncoding.ROS2, text)
-        said = {"kind": str(topic.kind), "units": topic.units, "frame": topic.frame, "meaning": topic.meaning}
-        said["robot"] = "" if topic.shared else scope.robot
+        about = {"kind": str(topic.kind), "units": topic.units, "frame": topic.frame, "meaning": topic.meaning}
+        about["robot"] = "" if topic.shared else scope.robot
         schema = self._schemas[topic.type]
-        return self._writer.register_channel(called, MessageEncoding.CDR, schema, said)
+        return self._writer.register_channel(called, MessageEncoding.CDR, schema, about)
 
 
 class _RobotSink:

@@ -45,7 +45,7 @@ def base_words(
 ) -> dict[str, dict[str, str]]:
     """Return the words for a base, as `Recorder` takes them; of several robots each has words of its own name."""
     rows = base.velocity_coupling * [1.0, 1.0, base.radius]
-    said = {
+    description = {
         "name": base.name,
         "wheels": list(base.driven),
         "radii": base.wheel_radii.tolist(),
@@ -53,7 +53,7 @@ def base_words(
         "counts_per_turn": counts_per_turn,
         "gear_ratio": gear_ratio,
     }
-    return {_name(robot): {"kind": "base", "description": json.dumps(said)}}
+    return {_name(robot): {"kind": "base", "description": json.dumps(description)}}
 
 
 def base_of(metadata: Mapping[str, Mapping[str, str]], robot: str = "") -> BaseDescription | None:
@@ -68,14 +68,14 @@ def base_of(metadata: Mapping[str, Mapping[str, str]], robot: str = "") -> BaseD
     if words.get("kind") != "base":
         return None
     try:
-        said = json.loads(words["description"])
-        rows = np.array(said["rows"], dtype=np.float64).reshape(len(said["wheels"]), 3)
+        description = json.loads(words["description"])
+        rows = np.array(description["rows"], dtype=np.float64).reshape(len(description["wheels"]), 3)
         return BaseDescription(
-            wheels=tuple(said["wheels"]),
-            radii=tuple(float(radius) for radius in said["radii"]),
+            wheels=tuple(description["wheels"]),
+            radii=tuple(float(radius) for radius in description["radii"]),
             rows=tuple((float(x), float(y), float(turn)) for x, y, turn in rows),
-            counts_per_turn=int(said["counts_per_turn"]),
-            gear_ratio=float(said["gear_ratio"]),
+            counts_per_turn=int(description["counts_per_turn"]),
+            gear_ratio=float(description["gear_ratio"]),
         )
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"the recording's words on its robot cannot be read ({error}); record it again") from None

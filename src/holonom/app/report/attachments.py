@@ -23,7 +23,7 @@ from holonom.app.report.findings.facts import (
     Rows,
 )
 from holonom.arrays import Array
-from holonom.geometry import Box, Cylinder, outline
+from holonom.geometry import Box, Cylinder, hull, outline
 from holonom.mechanics import Arm
 from holonom.sim import Floor, RectangularPatch, RoundPatch
 
@@ -94,18 +94,12 @@ def patch_corners(patch: RectangularPatch | RoundPatch) -> Array:
 
 def obstacle_corners(obstacle: Obstacle) -> Array:
     """Corners (N, 2) in the world of what an obstacle covers, seen from above."""
-    from scipy.spatial import ConvexHull
-
-    if obstacle.size is None:
-        turn = np.linspace(0.0, 2.0 * np.pi, ROUND, endpoint=False)
-        ring = obstacle.radius * np.stack([np.cos(turn), np.sin(turn)], -1)
-        return np.asarray(obstacle.T)[:2, 3] + ring
-    half = 0.5 * np.array(obstacle.size)
-    signs = np.array([(i, j, k) for i in (-1, 1) for j in (-1, 1) for k in (-1, 1)])
-    T = np.asarray(obstacle.T)
-    points = (T[:3, 3] + (signs * half) @ T[:3, :3].T)[:, :2]
-    corners: Array = points[ConvexHull(points).vertices]
-    return corners
+    shape, T = obstacle.shape, obstacle.T
+    corners = outline(shape)
+    if isinstance(shape, Cylinder):
+        return T[:2, 3] + corners
+    both = np.array([[*corner, sign * 0.5 * shape.height] for corner in corners for sign in (-1.0, 1.0)])
+    return hull((both @ T[:3, :3].T + T[:3, 3])[:, :2])
 
 
 def _program_name(arm: ArmJob) -> str:

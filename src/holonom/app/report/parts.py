@@ -24,7 +24,7 @@ __all__ = [
     "curves_of",
     "drawn",
     "part_html",
-    "said",
+    "stated",
 ]
 
 
@@ -84,11 +84,11 @@ def drawn(part: Part) -> tuple[Part, Html]:
     try:
         return part, part_html(part)
     except Exception as error:  # whatever it is, the rest of the page is worth having
-        lost = Unshown(getattr(part, "name", "photograph"), said(error))
+        lost = Unshown(getattr(part, "name", "photograph"), stated(error))
         return lost, part_html(lost)
 
 
-def said(error: Exception) -> str:
+def stated(error: Exception) -> str:
     """What went wrong, in a line."""
     return f"{type(error).__name__}: {error}".splitlines()[0]
 

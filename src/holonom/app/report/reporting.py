@@ -9,9 +9,9 @@ from holonom.app.console.output import REPORT, RunFolder
 from holonom.app.report.attached import program_of
 from holonom.app.report.findings.headline import badge_of, headline_of
 from holonom.app.report.findings.summary import placed_parts, summary_of
-from holonom.app.report.findings.told import told
+from holonom.app.report.findings.summary_lines import summary_lines
 from holonom.app.report.page import Head, page_html
-from holonom.app.report.parts import said
+from holonom.app.report.parts import stated
 from holonom.app.report.section_table import parts_of
 from holonom.app.report.source import Source, source_of
 
@@ -40,7 +40,7 @@ def report_recording(recording: Path, output: Path) -> Answer:
     with RunFolder(output, keep=True) as folder:
         path = folder.write(REPORT, page)
     summary = summary_of(source)
-    lines = [*told(source, summary), f"report: {path}"]
+    lines = [*summary_lines(source, summary), f"report: {path}"]
     return Answer("\n".join(lines), summary | {"report": str(path)})
 
 
@@ -73,4 +73,4 @@ def _headline(source: Source) -> dict[str, str]:
     try:
         return headline_of(source.robots[0])
     except Exception as error:
-        return {"Not to be told": said(error)}
+        return {"Not to be told": stated(error)}

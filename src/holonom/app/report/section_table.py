@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from holonom.app.report.parts import Part, Unshown, said
+from holonom.app.report.parts import Part, Unshown, stated
 from holonom.app.report.source import Source
 from holonom.registry import Table
 
@@ -50,4 +50,4 @@ def _parts(name: str, source: Source) -> Sequence[Part]:
         section: Section = REPORT_SECTIONS.make(name)
         return section.parts(source) if section.applies(source) else ()
     except Exception as error:  # whatever it is, the rest of the report is worth having
-        return [Unshown(name, said(error))]
+        return [Unshown(name, stated(error))]

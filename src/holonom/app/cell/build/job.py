@@ -95,9 +95,9 @@ def _bases(cell: Cell, path: Path) -> tuple[tuple[BaseJob, ...], tuple[str, ...]
     notes: list[str] = []
     for number, robot in enumerate(cell.robot):
         if not robot.is_arm:
-            job, said = build_base_job(cell, number, path, _base_sensors(cell, robot))
+            job, remarks = build_base_job(cell, number, path, _base_sensors(cell, robot))
             jobs.append(job)
-            notes += said
+            notes += remarks
     return tuple(jobs), tuple(notes)
 
 

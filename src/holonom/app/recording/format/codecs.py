@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from holonom.app.recording.format.cdr import ENCAPSULATION, CdrWriter, Layout
-from holonom.app.recording.format.heard import Messages
 from holonom.app.recording.format.messages import (
     BASE,
     WORLD,
@@ -33,6 +32,7 @@ from holonom.app.recording.format.messages import (
     transform_frames,
     transform_layout,
 )
+from holonom.app.recording.format.topic_messages import Messages
 from holonom.app.recording.scope import Scope
 from holonom.app.recording.tracks import Track
 from holonom.arrays import Array

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from holonom.app.recording.format.codecs import CODECS, transform_groups
-from holonom.app.recording.format.heard import Messages
 from holonom.app.recording.format.messages import log_event
+from holonom.app.recording.format.topic_messages import Messages
 from holonom.app.recording.tracks import FrameTrack, Track
 from holonom.arrays import Array
 from holonom.errors import InputError

@@ -17,10 +17,10 @@ from mcap.records import Attachment, Channel, Chunk, Footer, McapRecord, Message
 from mcap.stream_reader import StreamReader, get_chunk_data_stream
 from zstandard import ZstdError
 
-from holonom.app.recording.format.heard import Messages
+from holonom.app.recording.format.topic_messages import Messages
 from holonom.errors import InputError
 
-__all__ = ["Pieces", "Said", "Taker", "read_pieces"]
+__all__ = ["Pieces", "Stream", "Taker", "read_pieces"]
 
 MAGIC = b"\x89MCAP0\r\n"
 HEAD = struct.Struct("<BQ")
@@ -34,7 +34,7 @@ DAMAGED = (McapError, ZstdError, struct.error, ValueError, KeyError, IndexError)
 """What broken records raise in reading."""
 
 
-class Said(NamedTuple):
+class Stream(NamedTuple):
     """What a file says of a channel; kind and robot are "" in files that say none."""
 
     topic: str
@@ -46,7 +46,7 @@ class Said(NamedTuple):
 class Pieces:
     """What is in a file: messages that were not taken yet, how many were, up to when; `whole` unless it is cut off."""
 
-    topics: dict[Said, Messages] = field(default_factory=dict)
+    topics: dict[Stream, Messages] = field(default_factory=dict)
     count: int = 0
     last: float = 0.0
     attachments: dict[str, bytes] = field(default_factory=dict)
@@ -60,7 +60,7 @@ class Pieces:
         return f"{count} messages, to {max(last, self.last):g} s,"
 
 
-Taker = Callable[[Said, Messages], None]
+Taker = Callable[[Stream, Messages], None]
 """What takes the messages of a topic, some at a time, in their order."""
 
 
@@ -72,7 +72,7 @@ def read_pieces(path: Path, take: Taker) -> Pieces:
     InputError
         It is missing, no MCAP file, or damaged before its end.
     """
-    pieces, channels = Pieces(), dict[int, Said]()
+    pieces, channels = Pieces(), dict[int, Stream]()
     try:
         with path.open("rb") as stream:
             if stream.read(len(MAGIC)) != MAGIC:
@@ -80,8 +80,8 @@ def read_pieces(path: Path, take: Taker) -> Pieces:
             end, pieces.whole = _whole_part(stream)
             for record in _records(stream, end):
                 _take(record, pieces, channels, take)
-            for said in pieces.topics:
-                _hand_over(said, pieces, take)
+            for topic in pieces.topics:
+                _hand_over(topic, pieces, take)
     except OSError as error:
         raise InputError(f"cannot read the recording {path}: {error.strerror}; give a recording.mcap") from error
     except InputError:
@@ -142,29 +142,29 @@ def _broken_up(chunk: Chunk) -> Iterator[McapRecord]:
         at += size
 
 
-def _take(record: McapRecord, pieces: Pieces, channels: dict[int, Said], take: Taker) -> None:
+def _take(record: McapRecord, pieces: Pieces, channels: dict[int, Stream], take: Taker) -> None:
     if isinstance(record, Message):
-        said = channels.get(record.channel_id)
-        if said is not None:
-            messages = pieces.topics[said]
+        stream = channels.get(record.channel_id)
+        if stream is not None:
+            messages = pieces.topics[stream]
             messages.add(record.log_time, record.data)
             if messages.size > BLOCK:
-                _hand_over(said, pieces, take)
+                _hand_over(stream, pieces, take)
     elif isinstance(record, Channel):
         if record.message_encoding == CDR:
-            said = Said(record.topic, record.metadata.get("kind", ""), record.metadata.get("robot", ""))
-            channels[record.id] = said
-            pieces.topics.setdefault(said, Messages())
+            stream = Stream(record.topic, record.metadata.get("kind", ""), record.metadata.get("robot", ""))
+            channels[record.id] = stream
+            pieces.topics.setdefault(stream, Messages())
     elif isinstance(record, Attachment):
         pieces.attachments[record.name] = record.data
     elif isinstance(record, Metadata):
         pieces.metadata[record.name] = dict(record.metadata)
 
 
-def _hand_over(said: Said, pieces: Pieces, take: Taker) -> None:
-    messages = pieces.topics[said]
+def _hand_over(stream: Stream, pieces: Pieces, take: Taker) -> None:
+    messages = pieces.topics[stream]
     if len(messages):
-        take(said, messages)
+        take(stream, messages)
         pieces.count += len(messages)
         pieces.last = max(pieces.last, messages.last())
         messages.clear()

@@ -58,7 +58,7 @@ def event_rows(events: Sequence[Event], robots: Iterable[str] = ()) -> tuple[lis
     return [rows[first] for first in ordered], [rows[first].number for first in numbers]
 
 
-def _folded(said: Sequence[Said], longest: int) -> list[int]:
+def _folded(stated: Sequence[Said], longest: int) -> list[int]:
     """For each line the place of the one that it is shown as: its own, or where it stood in a loop that it repeats.
 
     Loops are of `longest` lines at most; lines that come again at once are one in them.
@@ -66,9 +66,9 @@ def _folded(said: Sequence[Said], longest: int) -> list[int]:
     places: list[int] = []
     kept: list[int] = []
     k = 0
-    while k < len(said):
+    while k < len(stated):
         for count in range(1, min(longest, len(kept)) + 1):
-            again = _repeated(said, k, kept[-count:])
+            again = _repeated(stated, k, kept[-count:])
             if again:
                 places += again
                 k += len(again)
@@ -80,13 +80,13 @@ def _folded(said: Sequence[Said], longest: int) -> list[int]:
     return places
 
 
-def _repeated(said: Sequence[Said], k: int, loop: Sequence[int]) -> list[int]:
+def _repeated(stated: Sequence[Said], k: int, loop: Sequence[int]) -> list[int]:
     """Places in a loop of the lines from the k-th on that are all of it once more, each perhaps several times."""
     places: list[int] = []
     for place in loop:
-        if k == len(said) or said[k] != said[place]:
+        if k == len(stated) or stated[k] != stated[place]:
             return []
-        while k < len(said) and said[k] == said[place]:
+        while k < len(stated) and stated[k] == stated[place]:
             places.append(place)
             k += 1
     return places

@@ -45,10 +45,10 @@ def scene_of(text: bytes) -> Scene:
         It is none.
     """
     try:
-        said = json.loads(text)
-        views = tuple(View(v["name"], _point(v["eye"]), _point(v["target"]), v["follow"]) for v in said["views"])
-        shapes = tuple(_shape(shape) for shape in said["shapes"])
-        return Scene(shapes, views, str(said["tool"]), float(said["trail"]), float(said["extent"]))
+        stated = json.loads(text)
+        views = tuple(View(v["name"], _point(v["eye"]), _point(v["target"]), v["follow"]) for v in stated["views"])
+        shapes = tuple(_shape(shape) for shape in stated["shapes"])
+        return Scene(shapes, views, str(stated["tool"]), float(stated["trail"]), float(stated["extent"]))
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"the recording's scene.json cannot be read ({error!r}); record it again") from None
 
@@ -58,9 +58,9 @@ def _shape_json(shape: Shape) -> dict[str, Any]:
     return {"kind": type(shape).__name__.lower(), **fields}
 
 
-def _shape(said: Mapping[str, Any]) -> Shape:
-    fields = {name: _value(name, value) for name, value in said.items() if name != "kind"}
-    made: Shape = SHAPES[said["kind"]](**fields)
+def _shape(stated: Mapping[str, Any]) -> Shape:
+    fields = {name: _value(name, value) for name, value in stated.items() if name != "kind"}
+    made: Shape = SHAPES[stated["kind"]](**fields)
     return made
 
 

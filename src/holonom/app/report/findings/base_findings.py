@@ -9,7 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.app.recording import BaseTrack, Recording
-from holonom.app.report.findings.base_words import Said, Spell, dead_since, faults_of, gripping_again, said_of
+from holonom.app.report.findings.base_words import (
+    SlipVerdicts,
+    Spell,
+    dead_since,
+    faults_of,
+    gripping_again,
+    verdicts_of,
+)
 from holonom.app.report.findings.facts import FaultFacts, RobotFacts
 from holonom.arrays import Array
 
@@ -143,13 +150,13 @@ class BaseFindings:
 def findings_of(recording: Recording, facts: RobotFacts) -> BaseFindings:
     """Look through a base's recording: its events, and where they do not tell it the wheels' true slip."""
     limit = facts.base.slip_at_peak if facts.base is not None else SLIP_AT_PEAK
-    said = said_of(recording.events, recording.end())
-    slips = _episodes(recording, said, limit)
+    verdicts = verdicts_of(recording.events, recording.end())
+    slips = _episodes(recording, verdicts, limit)
     told = facts.base.faults if facts.base is not None else ()
     faults = faults_of(recording.events, told)
     lost = dead_since(recording.events)
     dead = tuple(DeadMotor(f.wheel, f.kind, f.time, _from(lost, f), f.time <= recording.end()) for f in faults)
-    alarms = _alarms(recording, said, limit)
+    alarms = _alarms(recording, verdicts, limit)
     alarms += [
         FalseAlarm(f"motor of {wheel} given up, it works", time, recording.end())
         for wheel, time in lost.items()
@@ -200,7 +207,7 @@ def _at(time: Array, known: Array, poses: Array) -> Array:
     return np.stack([np.interp(time, known, column) for column in columns], axis=1)
 
 
-def _episodes(recording: Recording, said: Said, limit: float) -> list[SlipEpisode]:
+def _episodes(recording: Recording, verdicts: SlipVerdicts, limit: float) -> list[SlipEpisode]:
     """Every stretch of time in which a wheel slipped beyond its grip, in order of their starts."""
     track = recording.contacts
     told = gripping_again(recording.events, recording.end())
@@ -208,20 +215,20 @@ def _episodes(recording: Recording, said: Said, limit: float) -> list[SlipEpisod
     for number, wheel in enumerate(recording.joint_names):
         slip = np.abs(track.slip[:, number]) if len(track.time) else np.empty(0)
         spells = _joined(told[wheel]) if wheel in told else [] if told else _stretches(track.time, slip > limit)
-        found += [_episode(wheel, spell, track.time, slip, said) for spell in spells]
+        found += [_episode(wheel, spell, track.time, slip, verdicts) for spell in spells]
     return sorted(found, key=lambda episode: episode.start)
 
 
-def _episode(wheel: str, spell: Spell, time: Array, slip: Array, said: Said) -> SlipEpisode:
+def _episode(wheel: str, spell: Spell, time: Array, slip: Array, verdicts: SlipVerdicts) -> SlipEpisode:
     until = spell.end + GAP
     seen = slip[(time >= spell.start) & (time <= until)]
-    begins: Mapping[str, float] = said.named_within(spell.start, until)
+    begins: Mapping[str, float] = verdicts.named_within(spell.start, until)
     return SlipEpisode(
         wheel=wheel,
         start=spell.start,
         end=spell.end,
         peak=max(spell.peak, float(seen.max()) if len(seen) else 0.0),
-        detected=said.found_within(spell.start, until),
+        detected=verdicts.found_within(spell.start, until),
         identified=begins.get(wheel),
         named=tuple(sorted(begins, key=lambda name: begins[name])),
     )
@@ -232,7 +239,7 @@ def _from(lost: Mapping[str, float], fault: FaultFacts) -> float | None:
     return time if time is not None and time >= fault.time else None
 
 
-def _alarms(recording: Recording, said: Said, limit: float) -> list[FalseAlarm]:
+def _alarms(recording: Recording, verdicts: SlipVerdicts, limit: float) -> list[FalseAlarm]:
     """Words without cause: slip where no wheel slips, names of wheels that grip."""
     track = recording.contacts
     if not len(track.time):
@@ -241,14 +248,14 @@ def _alarms(recording: Recording, said: Said, limit: float) -> list[FalseAlarm]:
     any_wheel = track.time[some.any(axis=1)]
     alarms = [
         FalseAlarm("slip found, no wheel slips", spell.start, spell.end)
-        for spell in said.ambiguous
+        for spell in verdicts.ambiguous
         if _wrong(spell, any_wheel)
     ]
     for number, wheel in enumerate(recording.joint_names):
         own = track.time[some[:, number]]
         alarms += [
             FalseAlarm(f"{wheel} named, it grips", spell.start, spell.end)
-            for spell in _joined(said.named.get(wheel, ()), 0.0)
+            for spell in _joined(verdicts.named.get(wheel, ()), 0.0)
             if _wrong(spell, own)
         ]
     return alarms

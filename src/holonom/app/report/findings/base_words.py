@@ -11,7 +11,7 @@ from typing import NamedTuple
 from holonom.app.report.findings.facts import FaultFacts
 from holonom.signals import Event
 
-__all__ = ["Said", "Spell", "dead_since", "faults_of", "gripping_again", "said_of"]
+__all__ = ["SlipVerdicts", "Spell", "dead_since", "faults_of", "gripping_again", "verdicts_of"]
 
 TRUTH, PLANT, DETECTOR, WATCH = "truth", "plant", "slip detection", "motor watch"
 """Sources of events."""
@@ -31,7 +31,7 @@ class Spell(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class SlipVerdicts:
     """What the slip detector said: spells in which each wheel was named, and those in which it could not tell which."""
 
     named: Mapping[str, tuple[Spell, ...]]
@@ -48,7 +48,7 @@ class Said:
         return {wheel: time for wheel, time in firsts.items() if time is not None}
 
 
-def said_of(events: Sequence[Event], end: float) -> Said:
+def verdicts_of(events: Sequence[Event], end: float) -> SlipVerdicts:
     """Spells of the slip detector, from one of its events to the next, or to the end of the recording."""
     words = [event for event in events if event.source == DETECTOR]
     named: dict[str, list[Spell]] = defaultdict(list)
@@ -61,7 +61,7 @@ def said_of(events: Sequence[Event], end: float) -> Said:
                 named[wheel].append(spell)
         elif "ambiguous" in event.text:
             unsure.append(spell)
-    return Said({wheel: tuple(spells) for wheel, spells in named.items()}, tuple(unsure))
+    return SlipVerdicts({wheel: tuple(spells) for wheel, spells in named.items()}, tuple(unsure))
 
 
 def gripping_again(events: Sequence[Event], end: float) -> dict[str, list[Spell]]:

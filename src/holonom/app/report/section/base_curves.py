@@ -8,7 +8,7 @@ import numpy as np
 
 from holonom.app.report.drawing.curves import Curve
 from holonom.app.report.findings.base_findings import motion_of
-from holonom.app.report.findings.base_words import dead_since, said_of
+from holonom.app.report.findings.base_words import dead_since, verdicts_of
 from holonom.app.report.parts import CurveGroup
 from holonom.app.report.section_table import Section
 from holonom.app.report.source import BARE, RobotSource, Source
@@ -63,10 +63,10 @@ def _status(robot: RobotSource, key: str) -> list[Curve]:
     """What the controller found: a wheel named, slip without a name, a motor given up; by its events."""
     recording = robot.recording
     time = recording.contacts.time
-    said, lost = said_of(recording.events, recording.end()), dead_since(recording.events)
+    verdicts, lost = verdicts_of(recording.events, recording.end()), dead_since(recording.events)
     on = np.zeros((len(time), 3))
-    named = [spell for spells in said.named.values() for spell in spells]
-    for column, spells in enumerate((named, said.ambiguous)):
+    named = [spell for spells in verdicts.named.values() for spell in spells]
+    for column, spells in enumerate((named, verdicts.ambiguous)):
         for spell in spells:
             on[(time >= spell.start) & (time < spell.end), column] = 1.0
     on[time >= min(lost.values(), default=np.inf), 2] = 1.0

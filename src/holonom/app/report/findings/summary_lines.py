@@ -7,13 +7,13 @@ from typing import Any
 
 from holonom.app.report.source import Source
 
-__all__ = ["told"]
+__all__ = ["summary_lines"]
 
 MOST = 20
 """Lines of one sort; the summary has all."""
 
 
-def told(source: Source, summary: Mapping[str, Any]) -> list[str]:
+def summary_lines(source: Source, summary: Mapping[str, Any]) -> list[str]:
     """Say how it ended, where parts lie, and what came of each robot; `summary` as `summary_of` gives it."""
     ending = source.ending
     after = f" after {ending.simulated_time:.1f} s of simulated time" if ending.status in ("done", "paused") else ""
