@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from types import ModuleType
 
@@ -32,11 +32,24 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Of an unchanged tree, the second run compiles none (tests of compiling itself keep their own count)."""
     log = Path(os.environ["HOLONOM_CACHE_LOG"])
-    lines = [line.split(maxsplit=1) for line in log.read_text("utf-8").splitlines()] if log.exists() else []
-    compiled = [title for what, title in lines if what == "compiled"]
-    terminalreporter.write_line(f"kernels: {len(compiled)} compiled, {len(lines) - len(compiled)} loaded")
-    for title in sorted(set(compiled))[:20]:
+    lines = [line.split() for line in log.read_text("utf-8").splitlines()] if log.exists() else []
+    compiled = [words[1:] for words in lines if words[0] == "compiled"]
+    seconds = compile_seconds((int(process), float(begin), float(end)) for _, process, begin, end in compiled)
+    terminalreporter.write_line(
+        f"kernels: {len(compiled)} compiled in {seconds:.1f} CPU s, {len(lines) - len(compiled)} loaded"
+    )
+    for title in sorted({words[0] for words in compiled})[:20]:
         terminalreporter.write_line(f"  compiled {title}")
+
+
+def compile_seconds(spans: Iterable[tuple[int, float, float]]) -> float:
+    """CPU time of spans (process, begin, end), of all processes; what lies within another counts once."""
+    total, until = 0.0, dict[int, float]()
+    for process, begin, end in sorted(spans):
+        begin = max(begin, until.get(process, 0.0))
+        total += max(end - begin, 0.0)
+        until[process] = max(end, begin)
+    return total
 
 
 @pytest.fixture(scope="session")

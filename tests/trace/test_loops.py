@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import time
 from collections import namedtuple
 from pathlib import Path
 
@@ -104,8 +106,11 @@ def test_a_callback_has_an_address_and_is_kept_apart_from_its_loop(tmp_path: Pat
     for _ in range(2):
         assert callback(float64(float64), error_model="numpy")(twice).ctypes(3.0) == 6.0
         assert loop(float64(float64), error_model="numpy")(twice)(3.0) == 6.0
-    lines = (tmp_path / "log").read_text().split()[::2]
-    assert lines == ["compiled", "compiled", "loaded", "loaded"]
+    lines = [line.split() for line in (tmp_path / "log").read_text().splitlines()]
+    assert [words[0] for words in lines] == ["compiled", "compiled", "loaded", "loaded"]
+    for _, _, process, begin, end in lines[:2]:
+        assert int(process) == os.getpid()
+        assert 0.0 < float(end) - float(begin) <= time.process_time()
 
 
 def test_a_text_without_a_file_is_compiled_and_not_kept(tmp_path: Path):

@@ -126,7 +126,7 @@ def source_of(name: str, folder: Path) -> tuple[str, ArmModel]:
 def reach(model: ArmModel) -> float:
     """Return the length of an arm stretched out, m, at most: its offsets from joint to joint, and what they slide."""
     joints = [model.joints[i] for i in _chain(model)]
-    places = [T for joint in joints for T in (joint.after, joint.before)][:-1] + [model.tool]
+    places = [model.tool, *[T for joint in joints for T in (joint.after, joint.before)][:-1]]
     slides = [max(map(abs, _bounds(joint))) for joint in joints if joint.kind == "prismatic"]
     found = sum(math.dist([row[3] for row in T[:3]], (0, 0, 0)) for T in places)
     return (found + sum(s for s in slides if math.isfinite(s))) or 1.0
