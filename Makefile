@@ -53,7 +53,7 @@ wheel: | $(BIN)/python
 	$(PIP) wheel --quiet --no-deps -w dist .
 	$(call venv,$(TRIAL)/venv)
 	$(TRIAL)/venv/bin/python -m pip --disable-pip-version-check install --quiet -c constraints.txt "$$(echo dist/*.whl)[vision]"
-	cd $(TRIAL) && venv/bin/holonom demo --quiet && \
+	unset PYTHONPATH && cd $(TRIAL) && venv/bin/holonom demo --quiet && \
 	  for kind in arm base agv; do venv/bin/holonom new $$kind $$kind && venv/bin/holonom run $$kind/cell.toml --quiet || exit; done
 
 clean:

@@ -8,12 +8,13 @@ import subprocess
 import sys
 import tempfile
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 from hypothesis import settings
+from kernel_log import compile_seconds
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -32,24 +33,14 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Of an unchanged tree, the second run compiles none (tests of compiling itself keep their own count)."""
     log = Path(os.environ["HOLONOM_CACHE_LOG"])
-    lines = [line.split() for line in log.read_text("utf-8").splitlines()] if log.exists() else []
-    compiled = [words[1:] for words in lines if words[0] == "compiled"]
-    seconds = compile_seconds((int(process), float(begin), float(end)) for _, process, begin, end in compiled)
+    lines = log.read_text("utf-8").splitlines() if log.exists() else []
+    compiled = [line.split(maxsplit=4)[1:] for line in lines if line.startswith("compiled ")]
+    seconds = compile_seconds((int(process), float(begin), float(end)) for process, begin, end, _ in compiled)
     terminalreporter.write_line(
         f"kernels: {len(compiled)} compiled in {seconds:.1f} CPU s, {len(lines) - len(compiled)} loaded"
     )
-    for title in sorted({words[0] for words in compiled})[:20]:
+    for title in sorted({title for *_, title in compiled})[:20]:
         terminalreporter.write_line(f"  compiled {title}")
-
-
-def compile_seconds(spans: Iterable[tuple[int, float, float]]) -> float:
-    """CPU time of spans (process, begin, end), of all processes; what lies within another counts once."""
-    total, until = 0.0, dict[int, float]()
-    for process, begin, end in sorted(spans):
-        begin = max(begin, until.get(process, 0.0))
-        total += max(end - begin, 0.0)
-        until[process] = max(end, begin)
-    return total
 
 
 @pytest.fixture(scope="session")

@@ -14,8 +14,9 @@ from holonom.app.cell.check import check_cell
 from holonom.app.console.cli import main
 from holonom.app.start import demo, new
 from holonom.app.start.arm import TURN, arm_starts, reach
-from holonom.app.start.base import runnable
+from holonom.app.start.base import base_starts, runnable
 from holonom.app.start.demo import DEFAULT, example, examples
+from holonom.app.start.text import head
 from holonom.errors import InputError, UnknownName
 from holonom.mobile import ARRANGEMENTS
 from holonom.model import PRESETS, Joint, JointLimits, load_model
@@ -63,6 +64,16 @@ def test_a_first_cell_runs_at_once(kind: str, model: str, capsys: pytest.Capture
     summary = answer(capsys, "run", made["cell"], "-o", "out")
     assert summary["outcome"] == "done", summary
     commented(Path(made["cell"]))
+
+
+@pytest.mark.parametrize("arrangement", runnable())
+def test_whatever_a_base_might_begin_with_is_sound(arrangement: str) -> None:
+    for signals in (None, (1, 2)):
+        for start in base_starts(arrangement, scale=1.3, signals=signals):
+            event = '\n[[event]]\nat = "1s"  # when\nsignal = 1  # which\n' if signals else ""
+            Path("cell.toml").write_text(head("a cell", "a base") + start.table() + event, "utf-8")
+            assert check_cell(Path("cell.toml")).data["warnings"] == []
+            commented(Path("cell.toml"))
 
 
 def commented(cell: Path) -> None:

@@ -77,7 +77,7 @@ class ArmStart:
     def _turns(self) -> Iterator[tuple[str, str]]:
         """Turn the first two joints that turn; one that slides is left to the line, as DRIVE counts in degrees."""
         joints = [(k, self.model.joints[i]) for k, i in enumerate(self.model.independent)]
-        for k, joint in [(k, joint) for k, joint in joints if joint.kind == "revolute"][:2]:
+        for k, joint in [(k, joint) for k, joint in joints if joint.turns][:2]:
             by = math.degrees(_turn(joint, self.home[k]))
             yield f"  DRIVE {k + 1}, {by:.4g}, 50", f"turn joint {k + 1}, {joint.name}, by {by:.4g} degrees at 50 %"
 
@@ -127,7 +127,7 @@ def reach(model: ArmModel) -> float:
     """Return the length of an arm stretched out, m, at most: its offsets from joint to joint, and what they slide."""
     joints = [model.joints[i] for i in _chain(model)]
     places = [model.tool, *[T for joint in joints for T in (joint.after, joint.before)][:-1]]
-    slides = [max(map(abs, _bounds(joint))) for joint in joints if joint.kind == "prismatic"]
+    slides = [max(map(abs, _bounds(joint))) for joint in joints if not joint.turns]
     found = sum(math.dist([row[3] for row in T[:3]], (0, 0, 0)) for T in places)
     return (found + sum(s for s in slides if math.isfinite(s))) or 1.0
 
@@ -150,7 +150,7 @@ def _homes(model: ArmModel) -> Iterator[tuple[float, ...]]:
     yield usual
     joints = [model.joints[i] for i in model.independent]
     for sign in (1, -1):
-        bent = [sign * BENT * (1 - 2 * (k % 2)) if joint.kind == "revolute" else q
+        bent = [sign * BENT * (1 - 2 * (k % 2)) if joint.turns else q
                 for k, (joint, q) in enumerate(zip(joints, usual, strict=True))]  # fmt: skip
         yield tuple(_within(joint, q) for joint, q in zip(joints, bent, strict=True))
 
@@ -172,7 +172,7 @@ def _bounds(joint: Joint) -> tuple[float, float]:
 
 
 def _value(joint: Joint, q: float) -> str:
-    return length(q) if joint.kind == "prismatic" else angle(q)
+    return angle(q) if joint.turns else length(q)
 
 
 def _has_motors(model: ArmModel) -> bool:

@@ -107,7 +107,12 @@ def _check(arrangement: str) -> None:
 
 
 def _why_not(arrangement: str) -> str | None:
-    return unsimulated(ARRANGEMENTS.make(arrangement, {field.name: given for field, given in _examples(arrangement)}))
+    """Why an arrangement cannot run with the examples of its table, None where it can."""
+    try:
+        base = ARRANGEMENTS.make(arrangement, {field.name: given for field, given in _examples(arrangement)})
+    except InputError as problem:
+        return str(problem)
+    return unsimulated(base)
 
 
 def _examples(arrangement: str) -> list[tuple[Field, Any]]:

@@ -91,7 +91,7 @@ def new_cell(kind: str, folder: Path, *, model: str | None = None, quiet: bool =
         A model that there is not, that is faulty, or that cannot run.
     """
     _refuse_used(folder)
-    given = model or KINDS[kind].model
+    given = KINDS[kind].model if model is None else model
     with Progress(f"trying programs of {given}", None, quiet=quiet):
         files, checked = _first_sound(kind, given, folder)
     _write(folder, files)

@@ -142,7 +142,7 @@ class _Kept(NullCache):
             except BaseException:
                 self._unlock(args)
                 raise
-            _log("compiled", f"{self._title} {os.getpid()} {begin:.3f} {time.process_time():.3f}")
+            _log("compiled", f"{os.getpid()} {begin:.3f} {time.process_time():.3f} {self._title}")
             return made
 
         return watch
