@@ -69,7 +69,8 @@ $(BIN)/python:
 	  { echo "Holonom needs Python 3.11 or newer, $(PYTHON) is `$(PYTHON) -V 2>&1`; use PYTHON=python3.12 make ..."; exit 2; }
 	$(call venv,$(VENV))
 
-# A stamp for each: no target waits for what another one installs. Lint and types import little: byte code is not made.
+# A stamp for each: no target waits for what another one installs. Lint and types import little: byte code is not made. Tests
+# read what the pages are made with, too.
 $(VENV)/demo.stamp: pyproject.toml constraints.txt | $(BIN)/python
 	$(INSTALL) '.[vision]'
 	@touch $@
@@ -79,7 +80,7 @@ $(VENV)/check.stamp: pyproject.toml constraints.txt | $(BIN)/python
 	@touch $@
 
 $(VENV)/test.stamp: pyproject.toml constraints.txt | $(BIN)/python
-	$(INSTALL) '.[vision,xacro,motion,plots,symbolic,test]'
+	$(INSTALL) '.[vision,xacro,motion,plots,symbolic,docs,test]'
 	@touch $@ $(VENV)/demo.stamp
 
 $(VENV)/docs.stamp: pyproject.toml constraints.txt | $(BIN)/python
@@ -87,5 +88,5 @@ $(VENV)/docs.stamp: pyproject.toml constraints.txt | $(BIN)/python
 	@touch $@
 
 $(VENV)/oracle.stamp: pyproject.toml constraints.txt | $(BIN)/python
-	$(INSTALL) '.[vision,xacro,motion,plots,symbolic,test,oracle]'
+	$(INSTALL) '.[vision,xacro,motion,plots,symbolic,docs,test,oracle]'
 	@touch $@ $(VENV)/demo.stamp $(VENV)/test.stamp
