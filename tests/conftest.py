@@ -14,6 +14,7 @@ from types import ModuleType
 
 import pytest
 from hypothesis import settings
+from kernel_log import compile_seconds
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -32,10 +33,13 @@ def pytest_configure(config: pytest.Config) -> None:
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     """Of an unchanged tree, the second run compiles none (tests of compiling itself keep their own count)."""
     log = Path(os.environ["HOLONOM_CACHE_LOG"])
-    lines = [line.split(maxsplit=1) for line in log.read_text("utf-8").splitlines()] if log.exists() else []
-    compiled = [title for what, title in lines if what == "compiled"]
-    terminalreporter.write_line(f"kernels: {len(compiled)} compiled, {len(lines) - len(compiled)} loaded")
-    for title in sorted(set(compiled))[:20]:
+    lines = log.read_text("utf-8").splitlines() if log.exists() else []
+    compiled = [line.split(maxsplit=4)[1:] for line in lines if line.startswith("compiled ")]
+    seconds = compile_seconds((int(process), float(begin), float(end)) for process, begin, end, _ in compiled)
+    terminalreporter.write_line(
+        f"kernels: {len(compiled)} compiled in {seconds:.1f} CPU s, {len(lines) - len(compiled)} loaded"
+    )
+    for title in sorted({title for *_, title in compiled})[:20]:
         terminalreporter.write_line(f"  compiled {title}")
 
 

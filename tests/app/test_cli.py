@@ -135,7 +135,7 @@ def test_json_holds_no_nan(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 WRONG = {
-    (): "no command came; there is run, check",
+    (): "no command came; there is demo, new, run, check",
     ("--jso",): "option '--jso' came before a command",
     ("runn",): "no command 'runn'; there is bench, .*; did you mean 'run'?",
     ("calibrate",): "holonom calibrate needs a subject; there is dynamics, odometry",

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+import os
+import time
 from collections import namedtuple
 from pathlib import Path
 
 import numpy as np
 import pytest
+from kernel_log import compile_seconds
 from numba import float64, types
 
 from holonom.trace.code import simd
@@ -104,8 +107,17 @@ def test_a_callback_has_an_address_and_is_kept_apart_from_its_loop(tmp_path: Pat
     for _ in range(2):
         assert callback(float64(float64), error_model="numpy")(twice).ctypes(3.0) == 6.0
         assert loop(float64(float64), error_model="numpy")(twice)(3.0) == 6.0
-    lines = (tmp_path / "log").read_text().split()[::2]
-    assert lines == ["compiled", "compiled", "loaded", "loaded"]
+    lines = [line.split(maxsplit=4) for line in (tmp_path / "log").read_text().splitlines()]
+    assert [words[0] for words in lines] == ["compiled", "compiled", "loaded", "loaded"]
+    for _, process, begin, end, _ in lines[:2]:
+        assert int(process) == os.getpid()
+        assert 0.0 < float(end) - float(begin) <= time.process_time()
+
+
+def test_what_is_compiled_within_another_counts_once():
+    spans = [(1, 0.0, 5.0), (1, 1.0, 2.0), (1, 2.5, 5.0), (2, 1.0, 2.0), (1, 7.0, 8.0)]
+    assert compile_seconds(reversed(spans)) == pytest.approx(7.0)
+    assert compile_seconds([]) == 0.0
 
 
 def test_a_text_without_a_file_is_compiled_and_not_kept(tmp_path: Path):

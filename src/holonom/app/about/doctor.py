@@ -35,7 +35,8 @@ EXTRAS: Mapping[str, Mapping[str, str]] = {
         "latex2mathml": "latex2mathml",
         "matplotlib": "matplotlib",
     },
-    "test": {"pytest": "pytest", "hypothesis": "hypothesis", "mypy": "mypy", "selenium": "selenium"},
+    "check": {"ruff": "ruff", "mypy": "mypy", "importlinter": "import-linter"},
+    "test": {"pytest": "pytest", "hypothesis": "hypothesis", "selenium": "selenium", "hatchling": "hatchling"},
 }
 """For each extra of the package the modules that it brings and the distributions that they come from."""
 

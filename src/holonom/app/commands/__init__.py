@@ -15,6 +15,8 @@ COMMANDS = Table(
     "command",
     "an `Answer`; `params` are its options",
     {
+        "demo": "holonom.app.commands.demo:COMMAND",
+        "new": "holonom.app.commands.new:COMMAND",
         "run": "holonom.app.commands.run:COMMAND",
         "check": "holonom.app.commands.check:COMMAND",
         "report": "holonom.app.commands.report:COMMAND",

@@ -11,7 +11,9 @@ from holonom.app.console.options import argument, output, quiet, seed
 from holonom.app.console.pipes import say_to
 from holonom.registry import OWN, Method
 
-__all__ = ["COMMAND", "Options", "run"]
+__all__ = ["COMMAND", "GOES", "Options", "run"]
+
+GOES = "recording, summary and report go here (runs/ and the name of the cell's folder unless given)"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,9 +21,7 @@ class Options:
     """What is run, and where its records go."""
 
     cell: Path = argument("cell file (TOML)", metavar="CELL")
-    output: Path | None = output(
-        "recording, summary and report go here (runs/ and the name of the cell's folder unless given)"
-    )
+    output: Path | None = output(GOES)
     seed: int | None = seed(None, "seed instead of the cell's own")
     quiet: bool = quiet()
 

@@ -11,6 +11,7 @@ import inspect
 import os
 import pickle
 import sys
+import time
 import warnings
 from collections.abc import Callable
 from hashlib import sha256
@@ -48,7 +49,8 @@ def loop(*given: Any, **options: Any) -> Any:
     Returns
     -------
     Numba's dispatcher, or the decorator. Its `stats` count what was loaded (`cache_hits`) and compiled
-    (`cache_misses`); in the file that `HOLONOM_CACHE_LOG` names, each is a line.
+    (`cache_misses`); in the file that `HOLONOM_CACHE_LOG` names, each is a line, with the process and its CPU times, s,
+    at which compiling began and ended: what it calls is compiled in between.
     """
     if given and inspect.isfunction(given[0]):
         return _loop(given[0], None, options)
@@ -134,12 +136,13 @@ class _Kept(NullCache):
 
         @functools.wraps(compile)
         def watch(args: Any, return_type: Any) -> Any:
+            begin = time.process_time()
             try:
                 made = compile(args, return_type)
             except BaseException:
                 self._unlock(args)
                 raise
-            _log("compiled", self._title)
+            _log("compiled", f"{os.getpid()} {begin:.3f} {time.process_time():.3f} {self._title}")
             return made
 
         return watch
@@ -233,8 +236,8 @@ def _stamp(names: dict[str, Any], file: str) -> str | None:
     return stamp(spec.name if spec else names["__name__"], os.path.abspath(file))
 
 
-def _log(what: str, title: str) -> None:
+def _log(what: str, about: str) -> None:
     file = os.environ.get("HOLONOM_CACHE_LOG")
     if file:
         with open(file, "a", encoding="utf-8") as lines:
-            lines.write(f"{what} {title}\n")
+            lines.write(f"{what} {about}\n")

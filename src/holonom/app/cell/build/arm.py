@@ -30,7 +30,7 @@ from holonom.model import ArmModel, Body, Joint, Motor
 from holonom.sim import Gripper, Ground
 from holonom.spatial import pose
 
-__all__ = ["ArmBuild", "build_arm_job"]
+__all__ = ["ArmBuild", "build_arm_job", "usual_home"]
 
 RUN_UP = 0.25
 """s in which a joint without an acceleration limit reaches its speed limit, where its torque allows."""
@@ -151,10 +151,12 @@ def _moved(body: Body, T: Array) -> Body:
 
 
 def _home(robot: Robot) -> tuple[float, ...]:
-    """Where it stands at first: what the cell says, or its model, or zeros within the limits."""
-    if robot.home is not None:
-        return robot.home
-    model: ArmModel = robot.source.model
+    """Where it stands at first: what the cell says, else the usual."""
+    return robot.home if robot.home is not None else usual_home(robot.source.model)
+
+
+def usual_home(model: ArmModel) -> tuple[float, ...]:
+    """Return where an arm stands of which no cell says it: a pose that its model names, or zeros within the limits."""
     for name in ("nominal", "home"):
         if name in model.poses:
             return model.poses[name]

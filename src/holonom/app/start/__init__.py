@@ -1,0 +1,11 @@
+"""Where a person begins: the examples that come with Holonom, and the first cell of their own.
+
+=================  ==================================================================
+`demo`             where the examples lie, in a clone and in an installed package
+`new`              `new_cell`: a folder with a commented cell and a program that fits it
+`arm`, `base`      what is written for an arm, for a base; `agv` puts one on the other
+`text`             values and comments as a cell file has them
+=================  ==================================================================
+"""
+
+__all__: list[str] = []
