@@ -130,6 +130,7 @@ def test_report_shows_faults_and_polar_plots(run: Path) -> None:
 
 
 SHORT = """[cell]
+name = "short"
 time_limit = "3s"
 [[robot]]
 arrangement = "omni"
