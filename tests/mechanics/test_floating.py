@@ -170,3 +170,26 @@ def test_free_flyer_of_pinocchio(seed):
     expected = pinocchio.aba(theirs, data, place, np.concatenate([twist, qd]), forces)
     found = floating.forward_dynamics(mine, q, qd, forces[6:], base=T, twist=twist, wrench=forces[:6])
     np.testing.assert_allclose(np.concatenate(found), expected, atol=1e-8)
+
+
+@pytest.mark.oracle
+def test_planar_joint_of_pinocchio():
+    """Its rates are along the plate's own axes, ours along the table's; B is the same but for that turn."""
+    pinocchio = pytest.importorskip("pinocchio")
+    text = FREE.replace('type="floating"', 'type="fixed"')
+    theirs = pinocchio.buildModelFromXML(text, pinocchio.JointModelFreeFlyer())
+    data, mine = theirs.createData(), Arm(read_urdf(text, root="world"))
+    rng = np.random.default_rng(5)
+    T, q = random_pose(rng), rng.normal(size=4)
+    c, s = np.cos(q[3]), np.sin(q[3])
+    turn = [np.cos(q[0]), np.sin(q[0])]
+    place = np.concatenate([pinocchio.SE3ToXYZQUAT(pinocchio.SE3(T)), turn, [q[1], q[2], c, s]])
+    B = pinocchio.crba(theirs, data, place)
+    B = np.triu(B) + np.triu(B, 1).T
+    own = np.eye(10)
+    own[7:9, 7:9] = [[c, s], [-s, c]]
+    np.testing.assert_allclose(floating.mass_matrix(mine, q), own.T @ B @ own, atol=1e-9)
+    pinocchio.forwardKinematics(theirs, data, place)
+    pinocchio.updateFramePlacements(theirs, data)
+    plate = data.oMf[theirs.getFrameId("plate")].homogeneous
+    np.testing.assert_allclose(mine.with_base(T).fk(q, "plate"), plate, atol=1e-12)

@@ -31,6 +31,8 @@ from holonom.machine.arm.law import JointLaw
 from holonom.machine.arm.records import SERVO, SERVO_STATE, Servo, ServoTiming
 from holonom.machine.levels import Levels
 from holonom.mechanics import Arm
+from holonom.mechanics.equations.dynamics.composite_body import mass_matrix
+from holonom.mechanics.kernels.placement import bodies_of
 from holonom.mechanics.motion.trajectory import joint_vector
 from holonom.model import ArmModel, Joint
 from holonom.trace.call.records import record_table
@@ -128,7 +130,8 @@ class ArmServos:
         self.timing = _timing(settings.levels)
         self.model = arm.kernel("inverse_dynamics")
         self.limits = [_axis_limits(joint, settings) for joint in arm.model.joints]
-        inertia = np.diagonal(arm.mass_matrix(joint_vector("q", q, arm.n)))
+        B = mass_matrix(arm.model, bodies_of(arm.model), joint_vector("q", q, arm.n).tolist())
+        inertia = np.diagonal(np.array(B, dtype=float))
         rows = [
             _servo(joint, float(b), settings, limits)
             for joint, b, limits in zip(arm.model.joints, inertia, self.limits, strict=True)

@@ -22,7 +22,7 @@ from holonom.mechanics.kernels.inverse.geometry import UNREACHABLE
 from holonom.mechanics.kernels.inverse.result import IkCase, IkNearest, IkResult, IkStatus
 from holonom.mechanics.kernels.protocol import Limits
 from holonom.mechanics.kernels.table import OPTIONS, Calls, make_kernel, named
-from holonom.model import ArmModel, Body, Joint, constant_transform
+from holonom.model import ArmModel, Body, constant_transform
 from holonom.spatial import check_pose
 from holonom.trace import Kernel
 
@@ -116,11 +116,11 @@ class Arm:
 
     def with_limits(self, *, speed: float = 1.0, acceleration: float = 1.0) -> Arm:
         """Return the arm with its joints' speed and acceleration limits scaled by factors."""
-        return self.with_joints(tuple(joint.scaled(speed, acceleration) for joint in self.model.joints))
+        return self.remade(joints=tuple(joint.scaled(speed, acceleration) for joint in self.model.joints))
 
-    def with_joints(self, joints: tuple[Joint, ...]) -> Arm:
-        """Return the arm with other limits, motors or friction of its joints."""
-        arm = Arm(dataclasses.replace(self.first.model, joints=joints))
+    def remade(self, **changes: Any) -> Arm:
+        """Return the arm with other parts of its model, such as `joints` of other limits; it stands where it stands."""
+        arm = Arm(dataclasses.replace(self.first.model, **changes))
         if self.placement is None:
             return arm
         here = self.model

@@ -12,8 +12,11 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from holonom.arrays import vectors
 from holonom.errors import MissingInertia, ModelError
 from holonom.mechanics.arm.arm import Arm
+from holonom.mechanics.equations.dynamics.composite_body import mass_matrix
+from holonom.mechanics.kernels.placement import bodies_of
 from holonom.model import Joint, Motor
 
 __all__ = ["SUPPLY", "sized_drives", "sized_motor"]
@@ -63,12 +66,14 @@ def sized_drives(arm: Arm, q: ArrayLike) -> Arm:
     for joint in model.joints:
         _check_limits(joint)
     bare = tuple(dataclasses.replace(joint, motor=None) for joint in model.joints)
-    own = np.diagonal(Arm(dataclasses.replace(model, joints=bare)).mass_matrix(np.asarray(q, dtype=float)))
+    # Once, so as floats: to compile it would take a thousand times as long.
+    B = mass_matrix(dataclasses.replace(model, joints=bare), bodies_of(model), vectors("q", q, arm.n).tolist())
+    own = np.diagonal(np.array(B, dtype=float))
     joints = tuple(
         dataclasses.replace(joint, motor=sized_motor(joint.limits.speed, joint.limits.torque, float(inertia)))
         for joint, inertia in zip(bare, own, strict=True)
     )
-    return Arm(dataclasses.replace(model, joints=joints, rotors="reflected"))
+    return arm.remade(joints=joints, rotors="reflected")
 
 
 def sized_motor(speed: float, torque: float, inertia: float, supply: float = SUPPLY) -> Motor:

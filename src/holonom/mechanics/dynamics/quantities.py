@@ -5,8 +5,6 @@ Inverse and forward dynamics, mass and Coriolis matrix and gravity are methods o
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -164,4 +162,4 @@ def with_rotors(arm: Arm, rotors: Rotors) -> Arm:
     ModelError
         When dynamics are first asked for: a motor states no axis; names the joint.
     """
-    return Arm(dataclasses.replace(arm.model, rotors=rotors))
+    return arm.remade(rotors=rotors)

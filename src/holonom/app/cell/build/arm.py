@@ -25,7 +25,10 @@ from holonom.machine import LineSettings
 from holonom.machine.arm.servos import check_drives
 from holonom.mechanics import Arm
 from holonom.mechanics.arm.sized_drives import sized_drives
+from holonom.mechanics.equations.dynamics.composite_body import mass_matrix
 from holonom.mechanics.equations.dynamics.inertia import fixed_to_body
+from holonom.mechanics.equations.kinematics import frames
+from holonom.mechanics.kernels.placement import bodies_of
 from holonom.model import ArmModel, Body, Joint, Motor
 from holonom.sim import Gripper, Ground
 from holonom.spatial import pose
@@ -78,7 +81,7 @@ def build_arm_job(
     program = _program(robot, path, at)
     unreachable = _unreachable(arm, home, robot, program) if mount is None else ()
     ground = _ground(cell, robot, height if mount is not None else None)
-    sunk = ground.height - float(arm.fk(home)[2, 3])
+    sunk = ground.height - float(frames(arm.model, home.tolist())[-1][1][2])
     if sunk > SUNK:
         raise CellError(
             f"{place_in(path, *at, 'home')}: {called}'s tool begins {1e3 * sunk:.0f} mm below the surface that it "
@@ -213,7 +216,7 @@ def _with_motors(arm: Arm, tables: tuple[JointDrive, ...]) -> Arm:
         if table.joint is not None and table.joint not in names:
             raise UnknownName("joint", table.joint, names)
     joints = tuple(_with_motor(joint, tables) for joint in arm.model.joints)
-    return Arm(dataclasses.replace(arm.model, joints=joints))
+    return arm.remade(joints=joints)
 
 
 def _with_motor(joint: Joint, tables: tuple[JointDrive, ...]) -> Joint:
@@ -237,7 +240,9 @@ def _with_motor(joint: Joint, tables: tuple[JointDrive, ...]) -> Joint:
 
 def _with_limits(arm: Arm, home: Array) -> tuple[Arm, tuple[str, ...]]:
     """The arm with the speed and acceleration limits that motions need, where its model states none."""
-    inertia = np.diagonal(arm.mass_matrix(home)) if arm.model.bodies is not None else np.full(arm.n, np.inf)
+    inertia = np.full(arm.n, np.inf)
+    if arm.model.bodies is not None:  # as floats: to compile it for one place takes longer than all the rest
+        inertia = np.diagonal(np.array(mass_matrix(arm.model, bodies_of(arm.model), home.tolist()), dtype=float))
     slow: list[str] = []
     eager: list[str] = []
     joints = list(arm.model.joints)
@@ -253,7 +258,7 @@ def _with_limits(arm: Arm, home: Array) -> tuple[Arm, tuple[str, ...]]:
         joints[i] = dataclasses.replace(joints[i], limits=limits)
     if not slow and not eager:
         return arm, ()
-    return Arm(dataclasses.replace(arm.model, joints=tuple(joints))), tuple(_assumed(slow, eager, arm.n))
+    return arm.remade(joints=tuple(joints)), tuple(_assumed(slow, eager, arm.n))
 
 
 def _assumed(slow: list[str], eager: list[str], joints: int) -> Iterator[str]:

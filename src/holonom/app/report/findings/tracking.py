@@ -47,7 +47,7 @@ def arm_of(facts: ArmFacts) -> Arm:
         )
         for joint in facts.joints
     )  # fmt: skip
-    return Arm(ArmModel("recorded", joints, base=facts.base, tool=facts.tool, tip=facts.tip))
+    return Arm(ArmModel("recorded", joints, tip=facts.tip)).with_base(facts.base).with_tool(facts.tool)
 
 
 def tracking_table(comparison: Comparison) -> list[dict[str, Any]]:
