@@ -108,10 +108,23 @@ def test_the_arm_keeps_to_its_references(recording: Recording) -> None:
     assert 0.0 < error < np.radians(0.1)
 
 
-def test_a_second_run_is_the_same_to_the_byte(folder: Path, tmp_path: Path) -> None:
-    assert main(["run", str(COINS), "-o", str(tmp_path), "--quiet"]) == 0
+SHORT = """[cell]
+name = "short"
+time_limit = "5s"
+[[robot]]
+model = "puma560"
+program = "short.arps"
+"""
+
+
+def test_a_second_run_is_the_same_to_the_byte(tmp_path: Path) -> None:
+    """Two seconds of an arm with its motors."""
+    (tmp_path / "short.arps").write_text(".PROGRAM short()\n  DRIVE 1, 10, 50\n  DRIVE 2, -5, 50\n.END\n", "utf-8")
+    (tmp_path / "cell.toml").write_text(SHORT, "utf-8")
+    for out in ("one", "two"):
+        assert main(["run", str(tmp_path / "cell.toml"), "-o", str(tmp_path / out), "--quiet"]) == 0
     for name in ("recording.mcap", "summary.json"):
-        assert (tmp_path / name).read_bytes() == (folder / name).read_bytes(), name
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes(), name
 
 
 def test_the_recording_is_one_of_ros(folder: Path) -> None:
