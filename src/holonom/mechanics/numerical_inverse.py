@@ -140,7 +140,7 @@ _STATUS = tuple(np.int8(status) for status in InverseStatus)
 class InverseSolver:
     """A numerical inverse prepared for one arm and one way of searching: what `solve_inverse` calls, for many calls.
 
-    `packed` holds chain and search for one pose at a time (see `solver_kernels.solve_one`).
+    `packed` holds chain and search for one pose at a time (see `loops.solver.solve_one`).
     """
 
     names: tuple[str, ...]

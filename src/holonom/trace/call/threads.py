@@ -1,7 +1,7 @@
 """Work in parts for threads that are kept, as starting one costs as much as a thousand configurations.
 
 The calling thread works too, and waits only for what the others have not finished. Rows of kernels are shared in
-compiled code instead (`trace.crew`).
+compiled code instead (`trace.call.crew`).
 """
 
 from __future__ import annotations
