@@ -29,6 +29,8 @@ __all__ = ["Kernel", "compile"]
 
 WORTH = 100_000
 """Operations of all rows that a thread is woken for."""
+FEW = 2000
+"""Rows, over all calls, up to which the one-sample form takes them: to compile that of a batch takes longer."""
 Array = NDArray[Any]
 Shape = int | tuple[int, ...]
 
@@ -136,6 +138,7 @@ class Kernel:
         lanes = functools.partial(lanes_of, graph, outputs, results) if branches else lambda: columns
         self._parts: Callable[[], Parts | None] = functools.cache(lanes)
         self._axes = 1 + len(inputs[0].shape)
+        self._few = FEW
         self._allocate = [(f.shape, np.dtype(np.int8 if f.integer else np.float64)) for f in outputs]
 
     @property
@@ -230,6 +233,8 @@ class Kernel:
     def general(self, arrays: Sequence[Any], out: Any, threads: int) -> Any:
         """Evaluate whatever the one-sample forms did not take: rows as they are, all else after a closer look."""
         threads = check_threads(threads)
+        if self._few > 0:
+            return self._slowly(arrays, out, threads)
         results = self._results_of(arrays) if out is None else out if isinstance(out, tuple) else (out,)
         if results is not None and self._batch.quick((*arrays, *results), threads):
             return self.result(*results)
@@ -254,9 +259,23 @@ class Kernel:
             self._check_out(results, lead)
             # What is written must not be read any more, nor named as not finite.
             rows = _apart(rows, results)
-        if count and not self._batch.run((*rows, *results), count, threads):
+        self._few -= count
+        fine = self._one_by_one(rows, results, count) if self._few > 0 else None
+        if fine is None:
+            fine = self._batch.run((*rows, *results), count, threads)
+        if count and not fine:
             self._name_nonfinite(rows, lead)
         return self.result(*results)
+
+    def _one_by_one(self, rows: Sequence[Array], results: Sequence[Array], count: int) -> bool | None:
+        """Evaluate rows by the one-sample form: whether all inputs were finite; None if it cannot read these arrays."""
+        shaped = zip((*self.inputs, *self.outputs), (*rows, *results), strict=True)
+        every = [(a.reshape(count, f.width), f.shape) for f, a in shaped]
+        for k in range(count):
+            status = self.single(*(a[k].reshape(shape) for a, shape in every))
+            if status:
+                return None if status == 1 else False
+        return True
 
     def _rows_of(self, arrays: Sequence[Any]) -> tuple[Sequence[Array], tuple[int, ...]]:
         """Return the inputs as C-contiguous rows (N, width) and the leading axes they share."""
