@@ -103,7 +103,8 @@ def test_a_killed_run_can_be_read(tmp_path: Path) -> None:
         assert read.end() >= reached - BOUND - 1e-9
         assert read.attachments == {"cell.json": b"{}"}
         counts = read.counts
-        assert counts.count[:, 0].tolist() == list(range(len(counts.time)))
+        if len(counts.time):  # else it was killed between the first two records
+            assert counts.count[:, 0].tolist() == list(range(len(counts.time)))
         assert min(by_mcap(path).values()) >= reached - BOUND - 1e-9
     writers.process.communicate()
 

@@ -234,7 +234,10 @@ class Kernel:
         """Evaluate whatever the one-sample forms did not take: rows as they are, all else after a closer look."""
         threads = check_threads(threads)
         if self._few > 0:
-            return self._slowly(arrays, out, threads)
+            first = arrays[0]
+            if not (type(first) is np.ndarray and first.ndim == self._axes and len(first) > self._few):
+                return self._slowly(arrays, out, threads)
+            self._few = 0
         results = self._results_of(arrays) if out is None else out if isinstance(out, tuple) else (out,)
         if results is not None and self._batch.quick((*arrays, *results), threads):
             return self.result(*results)
