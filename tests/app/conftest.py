@@ -1,0 +1,27 @@
+"""What the tests of the application share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+
+from holonom.app.cell.build import camera
+
+
+@pytest.fixture(autouse=True, scope="session")
+def each_photograph_is_looked_at_once() -> Iterator[None]:
+    """A photograph that many cells show is searched for coins once in this process, not once for each cell."""
+    found: dict[Any, Any] = {}
+    search = camera.find_coins
+
+    def once(image: Any, *more: Any) -> Any:
+        key = image.tobytes(), image.shape, more
+        if key not in found:
+            found[key] = search(image, *more)
+        return found[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(camera, "find_coins", once)
+        yield
