@@ -43,6 +43,16 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
         terminalreporter.write_line(f"  compiled {title}")
 
 
+BATCHES = ("tests/trace/", "test_long_chain.py", "test_batches.py")
+
+
+@pytest.fixture(autouse=True)
+def batch_forms(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where the batch form of kernels is the subject it is compiled for the first rows, elsewhere as for users."""
+    subject = any(part in str(request.path) for part in BATCHES)
+    monkeypatch.setattr("holonom.trace.kernel.FEW", 0 if subject else 2000)
+
+
 @pytest.fixture(scope="session")
 def root() -> Path:
     """Root of the repository."""

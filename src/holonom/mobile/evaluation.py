@@ -55,7 +55,7 @@ class BaseEquation:
         """The compiled form."""
         only = len(self.outputs) == 1
         take = (lambda *a: self.equation(*a)[0]) if only else self.equation
-        return compile(take, self.inputs, self.outputs, name=self.name)
+        return compile(take, self.inputs, self.outputs, name=self.name, few=0)
 
     @functools.cached_property
     def _arrays(self) -> ArrayEquation:

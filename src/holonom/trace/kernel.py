@@ -45,6 +45,7 @@ def compile(
     branches: bool = False,
     columns: Callable[..., Any] | None = None,
     result: Callable[..., Any] | None = None,
+    few: int | None = None,
 ) -> Kernel:
     """Trace an equation once and return its kernel; machine code is made on first use, or loaded from the cache.
 
@@ -68,6 +69,8 @@ def compile(
     result
         Of several outputs, what a call returns: a function of their arrays, in order, that gives a tuple which begins
         with them (perhaps viewed as another type). By default a plain tuple.
+    few
+        Rows, over all calls, from which on the batch form is compiled; by default 2,000.
 
     Raises
     ------
@@ -88,7 +91,7 @@ def compile(
         if len(scalars) != f.width:
             raise ShapeError(f"equation {name!r} gives {len(scalars)} numbers for {f.name!r}; {f.width} were declared")
         results[f.name] = scalars
-    return Kernel(name, tuple(ins), tuple(outs), graph, results, branches, loop, result or _plain)
+    return Kernel(name, tuple(ins), tuple(outs), graph, results, branches, loop, result or _plain, few)
 
 
 def _apart(rows: Sequence[Array], results: Sequence[Array]) -> Sequence[Array]:
@@ -130,6 +133,7 @@ class Kernel:
         branches: bool = False,
         columns: Columns | None = None,
         result: Callable[..., Any] = _plain,
+        few: int | None = None,
     ) -> None:
         self.name, self.inputs, self.outputs, self.result = name, inputs, outputs, result
         self._body = straight_line(graph, [s for values in results.values() for s in values])
@@ -138,7 +142,7 @@ class Kernel:
         lanes = functools.partial(lanes_of, graph, outputs, results) if branches else lambda: columns
         self._parts: Callable[[], Parts | None] = functools.cache(lanes)
         self._axes = 1 + len(inputs[0].shape)
-        self._few = FEW
+        self._few = FEW if few is None else few
         self._allocate = [(f.shape, np.dtype(np.int8 if f.integer else np.float64)) for f in outputs]
 
     @property
