@@ -21,7 +21,7 @@ class Freedom(NamedTuple):
     displaced
         q -> the rotation about z and the way along it.
     twist
-        z, p -> angular velocity, and velocity of the origin, of a unit rate; p is where the axis passes.
+        z, r -> angular velocity, and velocity of the point that lies at r from the axis, of a unit rate.
     spin
         z, qd, qdd, w -> what it adds to the carrier's angular velocity w and to its rate.
     drift
@@ -56,14 +56,14 @@ def _drift(z: Vector, qd: Number, qdd: Number, w: Vector) -> Vector:
 FREEDOMS: Mapping[str, Freedom] = {
     "revolute": Freedom(
         displaced=_turned,
-        twist=lambda z, p: (z, cross(p, z)),
+        twist=lambda z, r: (z, cross(z, r)),
         spin=_spin,
         drift=lambda z, qd, qdd, w: NOTHING,
         force=lambda f, m: m,
     ),
     "prismatic": Freedom(
         displaced=lambda q: (None, q),
-        twist=lambda z, p: (NOTHING, z),
+        twist=lambda z, r: (NOTHING, z),
         spin=lambda z, qd, qdd, w: (NOTHING, NOTHING),
         drift=_drift,
         force=lambda f, m: f,

@@ -133,7 +133,7 @@ def jacobian(model: ArmModel, q: Vector, expressed_in: str) -> list[Number]:
         v: Vector = [0.0] * 3
         w: Vector = [0.0] * 3
         if i in path:
-            w, v = FREEDOMS[joint.kind].twist(z, sub(add(p, matvec(R, pb)), p_tool))
+            w, v = FREEDOMS[joint.kind].twist(z, sub(p_tool, add(p, matvec(R, pb))))
         if R_from is not None:
             v, w = tvec(R_from, v), tvec(R_from, w)
         columns_.append([*v, *w])

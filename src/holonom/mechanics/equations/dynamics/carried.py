@@ -112,7 +112,7 @@ def chain(model: ArmModel, q: Vector, qd: Vector) -> Chain:
         motion = joint_motion(joint, values[i])
         R, point = compose(on, split(joint.before)) if i else split(IDENTITY)
         z = columns(R)[2]
-        axes.append(Twist(*FREEDOMS[joint.kind].twist(z, point)))
+        axes.append(Twist(*FREEDOMS[joint.kind].twist(z, scale(-1.0, point))))
         frames.append(compose(on, (motion.R, motion.p)) if i else split(joint.after))
     return in_motion(model, frames, axes, up, rates)
 

@@ -108,7 +108,7 @@ def _in_link_frames(
 
 def _unit_wrench(freedom: Freedom, motion: JointMotion, body: Inertial) -> tuple[list[Number], list[Number]]:
     """Force and moment about the frame's origin that a unit acceleration of the joint takes for all that it carries."""
-    w, v = freedom.twist(motion.z_child, scale(-1.0, motion.p_after))
+    w, v = freedom.twist(motion.z_child, motion.p_after)
     return (
         add(scale(body.m, v), cross(w, body.h)),
         add(matvec(body.rotational(), w), cross(body.h, v)),
