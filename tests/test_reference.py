@@ -175,14 +175,6 @@ def test_what_a_page_would_load_from_elsewhere_is_found(tmp_path: Path) -> None:
     assert offline.check(tmp_path) == [f"page.html loads https:{far}.js"]
 
 
-def test_the_built_pages_need_no_network() -> None:
-    """Where `make docs` has been run; the build itself looks, too."""
-    built = DOCS / "_build" / "html"
-    if not built.exists():
-        pytest.skip("the pages are not built; make docs")
-    assert load("offline").check(built) == []
-
-
 def test_pins_hold_what_the_docs_need() -> None:
     extra = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]["docs"]
     pinned = {line.partition("==")[0].lower() for line in (ROOT / "constraints.txt").read_text("utf-8").splitlines()}

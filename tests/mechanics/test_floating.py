@@ -147,9 +147,8 @@ def test_forward_undoes_inverse_and_the_jacobian_is_the_derivative():
 
 @pytest.mark.oracle
 @pytest.mark.parametrize("seed", range(3))
-def test_free_flyer_of_pinocchio(seed):
+def test_free_flyer_of_pinocchio(seed, pinocchio):
     """B, inverse and forward dynamics of a URDF with Pinocchio's free-flyer at its root."""
-    pinocchio = pytest.importorskip("pinocchio")
     text = FREE.replace('type="floating"', 'type="fixed"').replace('type="planar"', 'type="continuous"')
     theirs = pinocchio.buildModelFromXML(text, pinocchio.JointModelFreeFlyer())
     data = theirs.createData()
@@ -173,9 +172,8 @@ def test_free_flyer_of_pinocchio(seed):
 
 
 @pytest.mark.oracle
-def test_planar_joint_of_pinocchio():
+def test_planar_joint_of_pinocchio(pinocchio):
     """Its rates are along the plate's own axes, ours along the table's; B is the same but for that turn."""
-    pinocchio = pytest.importorskip("pinocchio")
     text = FREE.replace('type="floating"', 'type="fixed"')
     theirs = pinocchio.buildModelFromXML(text, pinocchio.JointModelFreeFlyer())
     data, mine = theirs.createData(), Arm(read_urdf(text, root="world"))

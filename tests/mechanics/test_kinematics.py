@@ -49,10 +49,7 @@ def test_frames_are_poses_and_agree(arm):
             np.testing.assert_allclose(floats(kinematics.pose(model, q, joint), 4, 4), T, atol=1e-13)
 
 
-COMPILED = [arm for arm in ARMS if arm.model.name in ("puma560", "panda", "tree5")]
-
-
-@pytest.mark.parametrize("arm", COMPILED, ids=[arm.model.name for arm in COMPILED])
+@pytest.mark.parametrize("arm", ARMS, ids=NAMES)
 def test_compiled_equals_floats(arm):
     """One configuration and rows of them."""
     model, rng = arm.model, np.random.default_rng(5)

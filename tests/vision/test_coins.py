@@ -69,7 +69,7 @@ def test_records_agree_with_their_outlines(photograph):
 def views():
     """Seeded: any angle, scale 0.7 to 2, tilt up to 5e-4 per pixel, three fills; then same-size canvases."""
     rng = np.random.default_rng(20)
-    for k in range(12):
+    for k in range(18):
         direction, size = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(0.0, 5e-4)
         yield {
             "turn": rng.uniform(0.0, 360.0),

@@ -37,7 +37,7 @@ def joints_of(
 
     Returns
     -------
-    None for kinds without a place in q (fixed, floating); links between them are without mass.
+    None at all, an empty list, for kinds without a place in q (fixed, floating). Links between the joints have no mass.
     """
     parts = kind_of(kind).made_of
     joints = []

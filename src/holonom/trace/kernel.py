@@ -143,6 +143,7 @@ class Kernel:
         self._parts: Callable[[], Parts | None] = functools.cache(lanes)
         self._axes = 1 + len(inputs[0].shape)
         self._few = FEW if few is None else few
+        self._made_of = graph, results, branches, columns, result, few
         self._allocate = [(f.shape, np.dtype(np.int8 if f.integer else np.float64)) for f in outputs]
 
     @property
@@ -156,6 +157,10 @@ class Kernel:
         text = " ".join([*self._body, *(value for values in self._results.values() for value in values)])
         words = {word.rpartition("_")[0] for word in re.findall(r"\w+_\d+", text)}
         return tuple(f.name for f in self.inputs if f.name in words)
+
+    def without(self, names: Sequence[str]) -> Kernel:
+        """Return the kernel without some inputs, on which no output may depend."""
+        return Kernel(self.name, tuple(f for f in self.inputs if f.name not in names), self.outputs, *self._made_of)
 
     @property
     def source(self) -> str:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import Array
 from holonom.mechanics.equations.dynamics.inertia import Inertial
-from holonom.mechanics.kernels.placement import GIVEN, payload_numbers
+from holonom.mechanics.kernels.placement import GIVEN, NEEDED, payload_numbers
 from holonom.mechanics.kernels.table import Calls, named
 from holonom.model import ArmModel
 from holonom.spatial import inverse
@@ -46,11 +46,10 @@ class Placement:
 
     def kernel(self, name: str, **options: Any) -> tuple[Kernel, tuple[Array, ...]]:
         """A kernel that serves any placement, and the arrays that follow its own inputs; none if it depends on none."""
-        every: Kernel = self._kernel(name, **options, given=tuple(GIVEN))
-        reads = tuple(name for name in GIVEN if name in every.reads)
+        found = self._kernel(name, **options, given=NEEDED)
+        reads = [f.name for f in found.inputs if f.name in GIVEN]
         if not self._changed.intersection(reads):
             return self._kernel(name, **options), ()
-        found = every if len(reads) == len(GIVEN) else self._kernel(name, **options, given=reads)
         return found, tuple(self.numbers[name] for name in reads)
 
     def call(self, key: Any) -> Callable[..., Any]:

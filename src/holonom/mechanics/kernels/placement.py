@@ -18,12 +18,15 @@ from holonom.mechanics.equations.vectors import Vector
 from holonom.model import ArmModel
 from holonom.trace import Kernel, compile
 
-__all__ = ["GIVEN", "Here", "bodies_of", "compile_here", "payload_numbers", "placed"]
+__all__ = ["GIVEN", "NEEDED", "Here", "bodies_of", "compile_here", "payload_numbers", "placed"]
 
 Shape = int | tuple[int, ...]
 GIVEN: Mapping[str, tuple[int, ...]] = {"base": (4, 4), "tool": (4, 4), "gravity": (3,), "payload": (10,)}
 """Inputs that any kernel of an arm may have beside its own: T_w0, T_nt, gravity in the world (m/s2), and a body more on
 the joint that carries the tool, in its frame: mass, first moment (3), second moment (xx, yy, zz, xy, yz, xz)."""
+
+NEEDED = "needed"
+"""Option "given" of a kernel: those of `GIVEN` that its equation reads."""
 
 
 class Here(NamedTuple):
@@ -98,12 +101,15 @@ def compile_here(
 ) -> Kernel:
     """Trace `equation(here, *inputs)`; those of `GIVEN` that the option "given" names are inputs after its own.
 
+    The option may also be `NEEDED`.
+
     Raises
     ------
     UnknownName
         Something else is named.
     """
-    given: Sequence[str] = options.get("given", ())
+    needed = options.get("given") == NEEDED
+    given: Sequence[str] = tuple(GIVEN) if needed else options.get("given", ())
     for wanted in given:
         if wanted not in GIVEN:
             raise UnknownName("input of an arm's kernels", str(wanted), GIVEN)
@@ -115,4 +121,5 @@ def compile_here(
         return equation(placed(model, dict(zip(given, rest, strict=True))), *own)
 
     whole = {**inputs, **{wanted: GIVEN[wanted] for wanted in given}}
-    return compile(anywhere, whole, outputs, name=f"{model.name}_{name}_anywhere", **more)
+    found = compile(anywhere, whole, outputs, name=f"{model.name}_{name}_anywhere", **more)
+    return found.without([name for name in GIVEN if name not in found.reads]) if needed else found
