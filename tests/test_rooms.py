@@ -9,6 +9,7 @@ from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import holonom
+from holonom.model import JOINT_KINDS
 
 ROOT = Path(holonom.__file__).parent
 MOST = 15
@@ -68,3 +69,17 @@ def test_rooms_are_small() -> None:
 def test_gravity_is_stated_once() -> None:
     stated = [name for name, file in MODULES.items() if re.search(r"\b9\.8\d*\b", file.read_text("utf-8"))]
     assert stated == ["holonom.model.gravity"], stated
+
+
+def test_arrays_have_one_alias() -> None:
+    stated = [name for name, file in MODULES.items() if "= NDArray[np.float64]\n" in file.read_text("utf-8")]
+    assert stated == ["holonom.arrays"]
+
+
+def test_nobody_asks_for_a_kind_of_joint_by_its_name() -> None:
+    """What differs from kind to kind stands in `JOINT_KINDS` and, for the equations, in `FREEDOMS`."""
+    names = "|".join(f'"{name}"' for name in JOINT_KINDS if name != "fixed")  # a kind of wheel, too
+    asked = re.compile(rf"(==|!=|\bin|\bcase)\s*[(\[{{]?\s*({names})")
+    assert asked.search('if joint.kind == "revolute":')
+    assert asked.search('kind not in ("prismatic", "revolute")')
+    assert [name for name, file in MODULES.items() if asked.search(file.read_text("utf-8"))] == []
