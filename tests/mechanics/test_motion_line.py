@@ -134,7 +134,7 @@ def test_a_line_through_the_hole_in_the_middle_is_out_of_reach() -> None:
 def test_a_joint_limit_on_the_way_is_named() -> None:
     arm = Gantry(replace(limits_of(3), upper=np.array([1.0, 0.05, 1.0])))
     T1 = pose(np.eye(3), np.array([0.2, 0.1, 0.0]))
-    with pytest.raises(MotionError, match=r"at 50 % .* joint 2 would go to 0\.05\d*; its limits are -10 to 0\.05"):
+    with pytest.raises(MotionError, match=r"at 50 % .* joint 2 would go to 0\.05\d* m; its limits are -10 to 0\.05"):
         plan_line(arm, [0.0, 0.0, 0.0], T1, **SPEEDS)
 
 

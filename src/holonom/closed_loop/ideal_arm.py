@@ -13,6 +13,7 @@ from holonom.control.kernels import axis_violation
 from holonom.machine.arm.servos import ControlSettings
 from holonom.mechanics import Arm
 from holonom.mechanics.motion.trajectory import joint_vector
+from holonom.model import Joint
 
 __all__ = ["IdealArm"]
 
@@ -48,9 +49,8 @@ class IdealArm:
         self.ticks = 0
         self.worst = {name: np.zeros(arm.n) for name in ("speed", "torque", "current", "voltage", "error", "rms_error")}
         """Largest magnitudes since the start (n,)."""
-        error = settings.following_error
-        limits = zip(arm.limits.lower, arm.limits.upper, arm.limits.speed, strict=True)
-        self._limits = [AxisLimits(low - error, high + error, 2.0 * most, 1.0, error) for low, high, most in limits]
+        joints = [arm.model.joints[i] for i in arm.model.independent]
+        self._limits = [_axis_limits(joint, settings.error_of(joint)) for joint in joints]
 
     @property
     def tick(self) -> float:
@@ -115,6 +115,11 @@ class IdealArm:
             code = axis_violation(limits.params(), float(target[axis]), here, 0.0, 0.0)
             if code != 0:
                 raise drive_fault(
-                    Violation(code), limits, axis=self.arm.model.joints[axis].name, time=self.time,
+                    Violation(code), limits, axis=self.arm.limits.names[axis], time=self.time,
                     reference=float(target[axis]), position=here, speed=float(self.speed[axis]), current=0.0,
                 )  # fmt: skip
+
+
+def _axis_limits(joint: Joint, error: float) -> AxisLimits:
+    bounds = joint.limits
+    return AxisLimits(bounds.lower - error, bounds.upper + error, 2.0 * bounds.speed, 1.0, error, joint.unit)

@@ -75,7 +75,7 @@ class ArmStart:
         return f"; The first program of a file runs. Lengths are mm, angles degrees.\n\n{rows(lines, ';')}"
 
     def _turns(self) -> Iterator[tuple[str, str]]:
-        """Turn the first two joints that turn; one that slides is left to the line, as DRIVE counts in degrees."""
+        """Turn the first two joints that turn; one that slides is left to the line."""
         joints = [(k, self.model.joints[i]) for k, i in enumerate(self.model.independent)]
         for k, joint in [(k, joint) for k, joint in joints if joint.turns][:2]:
             by = math.degrees(_turn(joint, self.home[k]))

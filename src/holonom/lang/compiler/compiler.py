@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from holonom.errors import ProgramError
@@ -14,6 +14,7 @@ from holonom.lang.diagnostics import Node, Span, nearest
 from holonom.lang.locations import read_locations, split_name
 from holonom.lang.machine import Array
 from holonom.lang.program import Global, Program, Routine
+from holonom.lang.words.foreign import foreign_hint
 
 __all__ = ["compile_program", "load_program"]
 
@@ -30,7 +31,7 @@ def compile_program(text: str, file: str = "<program>", locations: Mapping[str, 
     file : str
         Name that messages use.
     locations : mapping of str to array, optional
-        Taught locations: poses (4, 4) in m, and joint values (n,) in rad for names that begin with `#`,
+        Taught locations: poses (4, 4) in m, and joint values (n,) in rad or m for names that begin with `#`,
         as `read_locations` returns them.
 
     Raises
@@ -58,10 +59,13 @@ def compile_program(text: str, file: str = "<program>", locations: Mapping[str, 
     return Program(file, b.lines, routines, names, tuple(b.warnings))
 
 
-def load_program(path: Path | str, locations: Path | str | None = None) -> Program:
+def load_program(
+    path: Path | str, locations: Path | str | None = None, *, turns: Sequence[bool] | None = None
+) -> Program:
     """Compile a program file with a location file.
 
-    `locations` defaults to the file beside the program with the ending `.loc`, if there is one.
+    `locations` defaults to the file beside the program with the ending `.loc`, if there is one. `turns` says of each
+    joint of the arm whether it turns or slides (see `read_locations`); all turn unless it is given.
 
     Raises
     ------
@@ -71,7 +75,7 @@ def load_program(path: Path | str, locations: Path | str | None = None) -> Progr
     path = Path(path)
     beside = path.with_suffix(".loc")
     taught = Path(locations) if locations is not None else beside if beside.is_file() else None
-    found = read_locations(_read(taught), str(taught)) if taught is not None else {}
+    found = read_locations(_read(taught), str(taught), turns) if taught is not None else {}
     return compile_program(_read(path), str(path), found)
 
 
@@ -186,7 +190,9 @@ def _check_names(b: Builder) -> None:
 def _unknown(b: Builder, symbol: Symbol, where: Span) -> None:
     what = {"location": "location", "joints": "precision point"}.get(symbol.kind or "", "variable")
     known = [s.name for s in b.table.shared.values() if s.written] + [s.name for s in b.own_names if s.written]
-    hint = nearest(symbol.name, known) or (
-        "teach it in the location file or SET it" if what != "variable" else "assign it before it is used"
+    hint = (
+        foreign_hint(symbol.name.upper())
+        or nearest(symbol.name, known)
+        or ("teach it in the location file or SET it" if what != "variable" else "assign it before it is used")
     )
     b.errors.append(b.at(where, f"{what} {symbol.name!r} is never given a value", hint))

@@ -107,6 +107,14 @@ class DryMachine:
         """T_wt (4, 4) where the last motion ended."""
         return self.arm.fk(self._q)
 
+    def turns(self) -> tuple[bool, ...]:
+        """Of each joint whether it turns."""
+        return self.arm.limits.turns
+
+    def goal(self) -> Array:
+        """Joint positions (n,) where the last motion ended."""
+        return self._q.copy()
+
     def joints(self) -> Array:
         """Joint positions (n,)."""
         return self._q.copy()

@@ -139,6 +139,14 @@ class ArmMachine:
         """T_wt where the last commanded motion ends."""
         return self._in_world(self.arm.fk(self.queue.goal))
 
+    def turns(self) -> tuple[bool, ...]:
+        """Of each joint whether it turns."""
+        return self.arm.limits.turns
+
+    def goal(self) -> Array:
+        """Joints (n,) where the last commanded motion ends."""
+        return self.queue.goal
+
     def joints(self) -> Array:
         """Measured joint positions (n,)."""
         return self.drives.position

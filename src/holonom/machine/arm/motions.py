@@ -13,6 +13,7 @@ from holonom.errors import InputError, MotionError
 from holonom.machine.arm.clock import TICK
 from holonom.mechanics import Arm, IkStatus
 from holonom.mechanics.motion import Trajectory, plan_joint, plan_line
+from holonom.model.joint_values import in_degrees, range_in_degrees
 
 __all__ = ["LineSettings", "MotionRequest", "branch_joints", "plan"]
 
@@ -107,10 +108,11 @@ def _why(arm: Arm, T: Array, q: Array, status: Array, wanted: Sequence[str]) -> 
     excess = np.maximum(limits.lower - inside, inside - limits.upper).clip(0.0)
     best = inside[np.argmin(excess.max(-1))]
     j = int(np.argmax(np.maximum(limits.lower - best, best - limits.upper)))
+    turns = limits.turns[j]
     return (
         f"the tool can reach ({place}) mm{named} only outside a joint limit: {limits.names[j]} would be at "
-        f"{np.degrees(best[j]):.1f} deg; its limits are {np.degrees(limits.lower[j]):.0f} to "
-        f"{np.degrees(limits.upper[j]):.0f} deg"
+        f"{in_degrees(best[j], turns)}; its limits are "
+        f"{range_in_degrees(limits.lower[j], limits.upper[j], turns)}"
     )
 
 

@@ -82,7 +82,9 @@ class Arm:
         moving = [self.model.joints[i] for i in self.model.independent]
         bounds = [j.limits for j in moving]
         rows = [(b.lower, b.upper, b.speed, b.acceleration, b.torque) for b in bounds]
-        return Limits(tuple(j.name for j in moving), *np.array(rows, dtype=float).T.copy())
+        lower, upper, speed, acceleration, torque = np.array(rows, dtype=float).T.copy()
+        turns = tuple(j.turns for j in moving)
+        return Limits(tuple(j.name for j in moving), lower, upper, speed, acceleration, torque, turns)
 
     def with_tool(self, tool: ArrayLike) -> Arm:
         """Return the arm with another tool pose T_nt (4, 4)."""

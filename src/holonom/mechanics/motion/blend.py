@@ -44,7 +44,7 @@ def blend(first: Trajectory, second: Trajectory, limits: JointLimits) -> Traject
     MotionError
         `second` does not start where `first` ends, or is sampled at another rate.
     """
-    _check_meeting(first, second)
+    _check_meeting(first, second, limits)
     if second.q.shape[0] == 1:
         return first
     lap = _overlap(first, second, limits)
@@ -116,13 +116,14 @@ def _overlapped(first: Array, second: Array, lap: int) -> Array:
     return np.concatenate([first[:start], first[start:] + (second[: lap + 1] - second[0]), second[lap + 1 :]])
 
 
-def _check_meeting(first: Trajectory, second: Trajectory) -> None:
+def _check_meeting(first: Trajectory, second: Trajectory, limits: JointLimits) -> None:
     if first.dt != second.dt:
         raise MotionError(f"segments sampled every {first.dt} s and {second.dt} s; plan both with one dt")
     gap = np.abs(first.q[-1] - second.q[0])
     if (gap > _MEET).any():
         j = int(np.argmax(gap))
+        unit = "rad" if limits.turns[j] else "m"
         raise MotionError(
-            f"the motion of line {second.line} starts {gap[j]:.3g} (rad or m) of joint {j + 1} away "
+            f"the motion of line {second.line} starts {gap[j]:.3g} {unit} of joint {j + 1} away "
             f"from the end of the one before (at most {_MEET:g} is allowed); plan it from there"
         )

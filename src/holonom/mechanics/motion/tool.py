@@ -14,7 +14,8 @@ from holonom.errors import InputError, MotionError
 from holonom.mechanics.arm.arm import IkStatus
 from holonom.mechanics.motion.course import Course, where
 from holonom.mechanics.motion.profile import GridSamples, on_grid, time_law
-from holonom.mechanics.motion.trajectory import STILL, JointLimits, Trajectory, standstill
+from holonom.mechanics.motion.trajectory import STILL, JointLimits, Trajectory, limits_of, standstill
+from holonom.model.joint_values import written
 
 __all__ = ["InverseSolutions", "LineArm", "ToolLimits", "plan_course"]
 
@@ -230,8 +231,8 @@ def _check_positions(q: Array, limits: JointLimits, course: Course, s: Array) ->
         row = int(np.argmax(outside.any(axis=1)))
         j = int(np.argmax(outside[row]))
         raise MotionError(
-            f"{where(course, float(s[row]))} {limits.names[j]} would go to {q[row, j]:.6g}; "
-            f"its limits are {limits.lower[j]:.6g} to {limits.upper[j]:.6g} (rad or m)"
+            f"{where(course, float(s[row]))} {limits.names[j]} would go to "
+            f"{written(q[row, j], limits.turns[j])}; {limits_of(limits, j)}"
         )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -10,8 +11,9 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, real_array
 from holonom.errors import MotionError, OutOfLimits, ShapeError
+from holonom.model.joint_values import looks_like_degrees, written
 
-__all__ = ["STILL", "JointLimits", "Trajectory", "check_inside", "joint_vector", "remainder", "standstill"]
+__all__ = ["STILL", "JointLimits", "Trajectory", "check_inside", "joint_vector", "limits_of", "remainder", "standstill"]
 
 
 STILL = 1e-12  # shorter motions (rad, m) are none
@@ -39,6 +41,10 @@ class JointLimits(Protocol):
     @property
     def acceleration(self) -> Array:
         """Largest accelerations, positive."""
+
+    @property
+    def turns(self) -> tuple[bool, ...]:
+        """Of each joint whether it turns; the others slide."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,10 +107,19 @@ def check_inside(q: Array, limits: JointLimits) -> None:
     outside = (q < limits.lower) | (q > limits.upper)
     if outside.any():
         j = int(np.argmax(outside))
+        degrees = looks_like_degrees(q, limits.lower, limits.upper, limits.turns)
+        hint = "; angles are in rad: are these degrees? give numpy.radians(q)" if degrees else ""
         raise OutOfLimits(
-            f"{limits.names[j]} is to go to {q[j]:.6g}; "
-            f"its limits are {limits.lower[j]:.6g} to {limits.upper[j]:.6g} (rad or m)"
+            f"{limits.names[j]} is to go to {written(q[j], limits.turns[j])}; {limits_of(limits, j)}{hint}"
         )
+
+
+def limits_of(limits: JointLimits, j: int) -> str:
+    """The limits of joint `j` in words."""
+    low, high = float(limits.lower[j]), float(limits.upper[j])
+    if not limits.turns[j]:
+        return f"its limits are {low:.6g} to {high:.6g} m"
+    return f"its limits are {low:.6g} to {high:.6g} rad ({math.degrees(low):.4g} to {math.degrees(high):.4g} deg)"
 
 
 def remainder(current: Trajectory, consumed: int) -> Trajectory:

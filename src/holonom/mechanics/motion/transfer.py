@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, real_array
 from holonom.errors import InputError, MotionError, OutOfLimits, ShapeError
-from holonom.mechanics.motion.trajectory import JointLimits, Trajectory, check_inside, joint_vector
+from holonom.mechanics.motion.trajectory import JointLimits, Trajectory, check_inside, joint_vector, limits_of
+from holonom.model.joint_values import written
 
 __all__ = ["plan_transfer"]
 
@@ -115,6 +116,6 @@ def _check_way(q: Array, limits: JointLimits) -> None:
         j = int(np.argmax(outside.any(axis=0)))
         worst = q[np.argmax(outside[:, j]), j]
         raise MotionError(
-            f"{limits.names[j]} would go to {worst:.6g} on the way; its limits are {limits.lower[j]:.6g} to "
-            f"{limits.upper[j]:.6g} (rad or m): start slower, or take a way round"
+            f"{limits.names[j]} would go to {written(worst, limits.turns[j])} on the way; {limits_of(limits, j)}: "
+            "start slower, or take a way round"
         )

@@ -29,6 +29,7 @@ from holonom.app.fields.units import DIMENSIONS, parse_quantity
 from holonom.control import CONTROLLERS
 from holonom.errors import CellError, OutOfLimits, UnknownName
 from holonom.model import Joint
+from holonom.model.joint_values import looks_like_degrees
 
 __all__ = ["GripperTool", "Robot", "RodTool"]
 
@@ -156,8 +157,15 @@ def _home(given: Any, info: ValidationInfo) -> Any:
     for joint, value in zip(joints, found, strict=True):
         if not joint.limits.lower <= value <= joint.limits.upper:
             low, high = (_written(bound, joint) for bound in (joint.limits.lower, joint.limits.upper))
-            raise OutOfLimits(f"{_written(value, joint)} came for {joint.name}; {low} to {high} is allowed")
+            hint = _degrees_hint(joints, found, value)
+            raise OutOfLimits(f"{_written(value, joint)} came for {joint.name}; {low} to {high} is allowed{hint}")
     return tuple(found)
+
+
+def _degrees_hint(joints: list[Joint], found: list[float], value: float) -> str:
+    lower, upper = ([getattr(joint.limits, bound) for joint in joints] for bound in ("lower", "upper"))
+    degrees = looks_like_degrees(found, lower, upper, [joint.turns for joint in joints])
+    return f"; are these degrees? write {value:g}deg" if degrees else ""
 
 
 def _dimension(joint: Joint) -> str:
