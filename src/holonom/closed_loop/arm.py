@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -68,7 +69,7 @@ class SimulatedArm:
         Its gripper in the world; None: it has none.
     sink
         Where records go.
-    look, ready, line, steady
+    look, ready, line, longest, steady
         See `ArmMachine`.
     signals
         Those of the cell.
@@ -85,6 +86,7 @@ class SimulatedArm:
         look: Callable[[], Sequence[Any]],
         ready: Array,
         line: LineSettings,
+        longest: float = inf,
         believed: Frame | None = None,
         true: Frame | None = None,
         steady: bool = False,
@@ -101,6 +103,7 @@ class SimulatedArm:
             ready=ready,
             line=line,
             levels=loop.settings.levels,
+            longest=longest,
             frame=believed,
             steady=steady,
             signals=signals,

@@ -77,6 +77,7 @@ class _Rehearsed(DryMachine):
             ready=arm.home,
             line=arm.line,
             hand_time=hand.max_opening / hand.speed if hand is not None else 0.0,
+            longest=job.time_limit,
         )
         self.notes: list[str] = []
         self._hand = hand is not None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
@@ -50,6 +51,8 @@ class ArmRig:
         What its hand can touch, where its records go, the cell's signals.
     seed
         Of the program's random numbers.
+    longest
+        Longest time that one of its motions may take, s.
     believed, true
         T (4, 4) of its base where another robot carries it.
     """
@@ -63,6 +66,7 @@ class ArmRig:
         signals: DigitalSignals,
         *,
         seed: int,
+        longest: float = inf,
         believed: Frame | None = None,
         true: Frame | None = None,
     ) -> None:
@@ -75,6 +79,7 @@ class ArmRig:
             look=lambda: job.look,
             ready=job.home,
             line=job.line,
+            longest=longest,
             believed=believed,
             true=true,
             steady=job.steady,

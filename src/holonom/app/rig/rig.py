@@ -108,8 +108,9 @@ class Rig:
             believed = Group(carrier.loop.controller, on_base).frame
             true = _carried(carrier, mount)
         return ArmRig(
-            job, loops.arms[job.name], self.world, sink, self.signals, seed=self.job.seed, believed=believed, true=true
-        )
+            job, loops.arms[job.name], self.world, sink, self.signals, seed=self.job.seed, longest=self.job.time_limit,
+            believed=believed, true=true,
+        )  # fmt: skip
 
     @property
     def time(self) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Any
 
 from holonom.arrays import Array
@@ -39,8 +40,9 @@ class DryMachine:
         ready: Array,
         line: LineSettings,
         hand_time: float,
+        longest: float = inf,
     ) -> None:
-        self.arm, self.line = arm, line
+        self.arm, self.line, self.longest = arm, line, longest
         self.problems: list[Problem] = []
         self.moved = 0
         self.typed: list[str] = []
@@ -57,11 +59,11 @@ class DryMachine:
         self._moved_in_tick = True
         self.moved += 1
         try:
-            trajectory = plan(self.arm, self._q, motion, self.line)
+            trajectory = plan(self.arm, self._q, motion, self.line, longest=self.longest)
         except MotionError as problem:
             self.problems.append(Problem(motion.line, str(problem)))
             return True
-        self._q = trajectory.q[-1].copy()
+        self._q = trajectory.end
         self._clock += max(trajectory.duration - PROGRAM_TICK, 0.0)
         return True
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -50,6 +51,8 @@ class ArmMachine:
         What 100 % means on straight lines.
     levels
         Periods of supervisor, model and servos.
+    longest
+        Longest time that a motion may take, s.
     frame
         T (4, 4) of its base in the world where another robot carries it, as that one believes to stand.
     steady
@@ -72,13 +75,14 @@ class ArmMachine:
         ready: Array,
         line: LineSettings,
         levels: Levels = Levels(),
+        longest: float = inf,
         frame: Callable[[], Array] | None = None,
         steady: bool = False,
         signals: DigitalSignals | None = None,
         observe: Callable[[Array], None] = lambda reference: None,
     ) -> None:
         self.arm, self.drives, self.hand = arm, drives, hand
-        self.queue = MotionQueue(arm, start, line, levels)
+        self.queue = MotionQueue(arm, start, line, levels, longest=longest)
         self._sink, self._look, self._ready, self._observe, self._frame = sink, look, ready, observe, frame
         self._before, self._braking, self._halting = drives.position, 0, False
         self._samples = samples_per_tick(levels.servo)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Any, Protocol
 
 import numpy as np
@@ -16,6 +17,10 @@ from holonom.mechanics.motion import Trajectory, plan_joint, plan_line
 from holonom.model.joint_values import in_degrees, range_in_degrees
 
 __all__ = ["LineSettings", "MotionRequest", "branch_joints", "plan"]
+
+
+_ON_BRANCH = 1e-4
+"""Distance (rad or m) from a branch within which joints lie on it."""
 
 
 class MotionRequest(Protocol):
@@ -83,7 +88,7 @@ def branch_joints(arm: Arm, T: Array, q0: Array, configuration: Any) -> Array:
     MotionError
         No reachable branch inside the joint limits; says whether reach or which limit is the cause.
     """
-    wanted = [w for w in (configuration.shoulder, configuration.elbow, configuration.wrist) if w is not None]
+    wanted = _wanted(configuration)
     if not wanted:
         nearest = arm.ik_nearest(T, q0)
         if nearest.status in (IkStatus.OK, IkStatus.SINGULAR):
@@ -96,6 +101,32 @@ def branch_joints(arm: Arm, T: Array, q0: Array, configuration: Any) -> Array:
     turns = np.abs(found.q[good] - q0).max(-1)
     q: Array = found.q[good][np.argmin(turns)]
     return q
+
+
+def _wanted(configuration: Any) -> list[str]:
+    return [w for w in (configuration.shoulder, configuration.elbow, configuration.wrist) if w is not None]
+
+
+def _check_kept(arm: Arm, ends: Sequence[Array], wanted: Sequence[str]) -> None:
+    """Refuse a line that begins or ends in another configuration than the program asked for."""
+    for q, verb in zip(ends, ("is", "would end"), strict=False):
+        name = _branch_of(arm, q)
+        others = [w for w in wanted if name is not None and w not in name.split()]
+        if others:
+            raise MotionError(
+                f"a straight line cannot change the configuration: {' '.join(others).upper()} was asked for, and the arm "
+                f"{verb} {name}; MOVE there first, or ask for what it is"
+            )
+
+
+def _branch_of(arm: Arm, q: Array) -> str | None:
+    """The name of the branch that joints (n,) lie on; None where they lie on none, as in a singular pose."""
+    found = arm.ik(arm.fk(q))
+    apart = found.q - q
+    apart -= np.where(arm.limits.turns, 2.0 * np.pi * np.round(apart / (2.0 * np.pi)), 0.0)
+    distance = np.where(found.status == IkStatus.SINGULAR, np.inf, np.abs(apart).max(-1))
+    k = int(np.argmin(distance))
+    return found.names[k] if distance[k] < _ON_BRANCH else None
 
 
 def _why(arm: Arm, T: Array, q: Array, status: Array, wanted: Sequence[str]) -> str:
@@ -116,20 +147,29 @@ def _why(arm: Arm, T: Array, q: Array, status: Array, wanted: Sequence[str]) -> 
     )
 
 
-def plan(arm: Arm, q0: Array, motion: MotionRequest, settings: LineSettings, dt: float = TICK) -> Trajectory:
-    """Return the trajectory of one motion from rest at q0 (n,), sampled every `dt`, s.
+def plan(
+    arm: Arm, q0: Array, motion: MotionRequest, settings: LineSettings, dt: float = TICK, *, longest: float = inf
+) -> Trajectory:
+    """Return the trajectory of one motion from rest at q0 (n,), with a sample every `dt`, s.
 
     Raises
     ------
     MotionError
-        The motion cannot be made.
+        The motion cannot be made, or takes more than `longest`, s.
     """
     try:
         if motion.kind == "line":
-            return _plan_line(arm, q0, motion, settings, dt)
-        return _plan_joint(arm, q0, motion, dt)
+            trajectory = _plan_line(arm, q0, motion, settings, dt)
+        else:
+            trajectory = _plan_joint(arm, q0, motion, dt)
     except InputError as problem:  # a program asked for it, after the start
         raise MotionError(str(problem)) from problem
+    if trajectory.duration > longest:
+        raise MotionError(
+            f"the motion would take {trajectory.duration:.6g} s; up to {longest:g} s are allowed, the cell's time_limit: "
+            "ask for more speed or acceleration, or raise it"
+        )
+    return trajectory
 
 
 def _plan_line(arm: Arm, q0: Array, motion: MotionRequest, settings: LineSettings, dt: float) -> Trajectory:
@@ -139,7 +179,10 @@ def _plan_line(arm: Arm, q0: Array, motion: MotionRequest, settings: LineSetting
         assert motion.joints is not None
         target = arm.fk(motion.joints)
     speed = motion.speed_mps if motion.speed_mps is not None else motion.speed * settings.speed
-    return plan_line(
+    wanted = _wanted(motion.configuration)
+    if wanted:
+        _check_kept(arm, [q0], wanted)
+    trajectory = plan_line(
         arm,
         q0,
         target,
@@ -150,6 +193,9 @@ def _plan_line(arm: Arm, q0: Array, motion: MotionRequest, settings: LineSetting
         dt=dt,
         line=motion.line,
     )
+    if wanted:
+        _check_kept(arm, [q0, trajectory.end], wanted)
+    return trajectory
 
 
 def _plan_joint(arm: Arm, q0: Array, motion: MotionRequest, dt: float) -> Trajectory:
