@@ -11,21 +11,23 @@ from holonom.errors import InputError
 __all__ = ["check_file", "check_program"]
 
 
-def check_file(path: Path) -> Answer:
+def check_file(path: Path, *, quiet: bool = True) -> Answer:
     """Check a program (.arps) by compiling it, or a cell by also planning every motion that it asks for.
+
+    A check that takes longer than a moment shows how far it is, unless it is to be `quiet`.
 
     Raises
     ------
     InputError
         All that was found, a line each with file and line. A file of another type.
     """
-    check = _CHECKS.get(path.suffix.lower())
-    if check is None:
+    kind = path.suffix.lower()
+    if kind not in _CHECKS:
         raise InputError(
             f"{path}: {_what_came(path)}; holonom check takes a program (.arps) or a cell file (.toml). "
             "A robot description (.urdf, .xacro) is checked when it is loaded: holonom.load_arm(path)"
         )
-    return check(path)
+    return _CHECKS[kind](path, quiet)
 
 
 def check_program(path: Path) -> Answer:
@@ -51,10 +53,15 @@ def _what_came(path: Path) -> str:
     return f"a file of type {path.suffix!r}" if path.suffix else "a file without an ending"
 
 
-def _cell(path: Path) -> Answer:
+def _program(path: Path, quiet: bool) -> Answer:
+    del quiet  # it takes no time
+    return check_program(path)
+
+
+def _cell(path: Path, quiet: bool) -> Answer:
     from holonom.app.cell.check import check_cell
 
-    return check_cell(path)
+    return check_cell(path, quiet=quiet)
 
 
-_CHECKS: Mapping[str, Callable[[Path], Answer]] = {".arps": check_program, ".toml": _cell}
+_CHECKS: Mapping[str, Callable[[Path, bool], Answer]] = {".arps": _program, ".toml": _cell}

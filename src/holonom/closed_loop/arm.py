@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from math import inf
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -24,9 +25,14 @@ from holonom.signals import (
     JointTruth,
     Sink,
 )
-from holonom.sim.arm.world import Fingers
+from holonom.sim.arm.world import Fingers, Surface, World
 
-__all__ = ["SimulatedArm", "SimulatedHand"]
+__all__ = ["Contact", "SimulatedArm", "SimulatedHand"]
+
+INSIDE = 2e-3
+"""m from which the tool of ideal joints is inside a surface."""
+NOWHERE = -1e3
+"""Height, m, of the ground where there is none."""
 
 Frame = Callable[[], Array]
 
@@ -58,6 +64,14 @@ class SimulatedHand:
         return happened
 
 
+class Contact(NamedTuple):
+    """What the tool, or what it holds, presses on: the surface's name, the force (N; None: nobody knows), depth (m)."""
+
+    surface: str
+    force: float | None
+    depth: float
+
+
 class SimulatedArm:
     """What a program moves when there is no hardware: `machine` for the program, `loop` and `fingers` for the rest.
 
@@ -67,9 +81,11 @@ class SimulatedArm:
         The arm with its drives.
     fingers
         Its gripper in the world; None: it has none.
+    world
+        The surfaces that it can press on; None: the ground that its loop was made with.
     sink
         Where records go.
-    look, ready, line, longest, steady
+    look, ready, line, longest, patience, steady
         See `ArmMachine`.
     signals
         Those of the cell.
@@ -87,12 +103,14 @@ class SimulatedArm:
         ready: Array,
         line: LineSettings,
         longest: float = inf,
+        patience: float = inf,
         believed: Frame | None = None,
         true: Frame | None = None,
         steady: bool = False,
         signals: DigitalSignals | None = None,
+        world: World | None = None,
     ) -> None:
-        self.loop, self.fingers, self._sink, self._true = loop, fingers, sink, true
+        self.loop, self.fingers, self._sink, self._true, self._world = loop, fingers, sink, true, world
         self.machine = ArmMachine(
             loop.arm,
             loop,
@@ -104,6 +122,7 @@ class SimulatedArm:
             line=line,
             levels=loop.settings.levels,
             longest=longest,
+            patience=patience,
             frame=believed,
             steady=steady,
             signals=signals,
@@ -120,7 +139,33 @@ class SimulatedArm:
         frames: Array = self.loop.arm.frames(self.loop.truth.position)
         return frames if self._true is None else self._true() @ frames
 
+    def contact(self) -> Contact | None:
+        """What it pressed on in the last tick; of ideal joints, in what it is inside."""
+        force, (surface, depth) = self.loop.pressing, self._below()
+        if force is None:
+            return Contact(surface.name, None, depth) if surface is not None and depth > INSIDE else None
+        if force <= 0.0:
+            return None
+        return Contact(surface.name if surface is not None else "the ground", force, depth)
+
+    def _below(self) -> tuple[Surface | None, float]:
+        """The surface that lies under the tool, or around it, and how deep the tool or what it holds is in it, m."""
+        T = self.tool_pose()
+        surface = self._world.surface_at(*T[:2, 3]) if self._world is not None else None
+        if surface is None:
+            return None, -math.inf
+        hang = self.fingers.hang if self.fingers is not None else 0.0
+        return surface, surface.height + hang * max(-float(T[2, 2]), 0.0) - float(T[2, 3])
+
+    def _feel(self) -> None:
+        """Let the ground of the plant be what lies under the tool now."""
+        if self._world is not None:
+            base = 0.0 if self._true is None else float(self._true()[2, 3])
+            _, depth = self._below()
+            self.loop.ground = max(depth + float(self.tool_pose()[2, 3]) - base, NOWHERE)
+
     def _record(self, reference: Array) -> None:
+        self._feel()
         now, measured, truth, put = self.loop.time, self.loop.measured, self.loop.truth, self._sink.put
         put(JointCommand(now, *reference))
         put(JointState(now, measured.position, measured.speed, measured.effort))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -43,6 +45,9 @@ class IdealArm:
         self.payload = np.zeros(4)
         """What the hand holds; it weighs nothing here."""
         self.touch = 0.0
+        self.ground = -math.inf
+        self.pressing: float | None = None
+        """Ideal joints feel no force."""
         self.position: Array = joint_vector("q", q, arm.n).copy()
         """Joints (n,)."""
         self.speed: Array = np.zeros(arm.n)
@@ -92,6 +97,10 @@ class IdealArm:
             self._move(self.position + np.clip(target - self.position, -most, most))
             error = np.abs(target - self.position)
             self.worst["error"] = np.maximum(self.worst["error"], error)
+
+    def at_limit(self) -> tuple[str, ...]:
+        """No drive of ideal joints is at a limit."""
+        return ("",) * self.arm.n
 
     def brake(self, ticks: int) -> None:
         """Hold zero speed for some ticks.

@@ -2,23 +2,32 @@
 
 from __future__ import annotations
 
+import copy
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
 
+from holonom.app.cell.surroundings import Reach, Surroundings
 from holonom.app.job import ArmJob, BaseJob, Job
 from holonom.arrays import Array
 from holonom.errors import MotionError, ProgramFault
 from holonom.lang import Program, Status, start, step
-from holonom.machine import DryMachine
+from holonom.machine import DryMachine, Problem
 from holonom.machine.arm.motions import MotionRequest
 from holonom.machine.group import planar_pose
+from holonom.mechanics.motion import Trajectory
+from holonom.sim import Fingers, World
 from holonom.spatial import inverse
 
 __all__ = ["Rehearsal", "end_of", "rehearse", "switches_signals"]
 
+SETTLE = 1.0
+"""Time, s, in which fingers arrive and parts fall."""
+TOUCH = 2e-3
+"""Depth, m, up to which ideal joints may be inside a surface."""
 PATIENCE = 3
 """Times that a program asks for a signal, without moving in between, before another robot is taken to have given it."""
 
@@ -32,8 +41,15 @@ class Rehearsal:
     notes: tuple[str, ...]
 
     def problems(self, program: Program) -> list[str]:
-        """Motions that cannot be made: each line of the program once, with the first reason."""
-        found = self.machine.problems
+        """Motions that cannot be made, or run into something: each line of the program once, with the first reason."""
+        return self._by_line(program, self.machine.problems)
+
+    def warnings(self, program: Program) -> list[str]:
+        """Motions that press on something no harder than the cell allows: each line of the program once."""
+        return self._by_line(program, self.machine.warnings)
+
+    @staticmethod
+    def _by_line(program: Program, found: Sequence[Problem]) -> list[str]:
         times = Counter(problem.line for problem in found)
         first = {problem.line: problem.text for problem in reversed(found)}
         return [
@@ -42,11 +58,11 @@ class Rehearsal:
         ]
 
 
-def rehearse(job: Job, arm: ArmJob) -> Rehearsal:
+def rehearse(job: Job, arm: ArmJob, *, progress: Callable[[float], None] = lambda time: None) -> Rehearsal:
     """Run the program of one of a job's arms without dynamics, on the parts that the camera sees.
 
     Signals are switched by the program itself and by events at their times. One that another robot may give is taken
-    as given where the program waits for it, and a base that gives it as arrived.
+    as given where the program waits for it, and a base that gives it as arrived. `progress` is told the simulated time.
     """
     program = arm.program
     assert program is not None
@@ -57,6 +73,7 @@ def rehearse(job: Job, arm: ArmJob) -> Rehearsal:
             if status is Status.WAITING:
                 machine.give(state.line)
             machine.tick()
+            progress(machine.time())
             if machine.time() >= job.time_limit:
                 limit = f"not done after {job.time_limit:g} s, the cell's time_limit"
                 return Rehearsal(machine, (f"{program.file}:{state.line}: {limit}",), tuple(machine.notes))
@@ -80,7 +97,11 @@ class _Rehearsed(DryMachine):
             longest=job.time_limit,
         )
         self.notes: list[str] = []
-        self._hand = hand is not None
+        world = World(job.surfaces, [copy.copy(part) for part in job.parts])
+        self._fingers = Fingers(world, hand) if hand is not None else None
+        self._surroundings = Surroundings(arm.arm, hand, world, job.obstacles)
+        self._deepest = TOUCH if arm.drives == "ideal" else arm.contact_force / arm.ground.stiffness
+        self._force = arm.ground.stiffness
         self._events = sorted(job.events, key=lambda event: event.at)
         self._givers = {base.task.done: base for base in job.bases if base.task.done is not None}
         self._others = any(other is not arm and switches_signals(other.program) for other in job.arms)
@@ -119,9 +140,30 @@ class _Rehearsed(DryMachine):
 
     def set_hand(self, closed: bool) -> None:
         """Close or open the hand; `MotionError` without one."""
-        if not self._hand:
+        fingers = self._fingers
+        if fingers is None:
             raise MotionError("this arm has no hand to close or open; give its cell a [gripper]")
         super().set_hand(closed)
+        fingers.send(0.0 if closed else fingers.gripper.max_opening)
+        for _ in range(2):  # the fingers move, then what they let go falls
+            with suppress(MotionError):  # a finger on a part: where parts truly lie only a run shows
+                fingers.step(self.pose(), SETTLE)
+
+    def look_at(self, trajectory: Trajectory) -> tuple[str | None, str | None]:
+        """Say where a motion runs into something; a surface that it presses on lightly is a warning."""
+        found = self._surroundings.met_by(trajectory, self._frame, self._reach())
+        if found is None:
+            return None, None
+        if found.depth > self._deepest:
+            return found.text, None
+        return None, f"{found.text}, which presses on it with about {found.depth * self._force:.0f} N"
+
+    def around(self) -> tuple[Hashable, ...]:
+        """What the hand does, and where the base stands."""
+        return (*(round(v, 6) for v in self._reach()), self._frame.tobytes())
+
+    def _reach(self) -> Reach:
+        return Reach() if self._fingers is None else Reach(self._fingers.opening, self._fingers.hang)
 
     def set_signal(self, number: int, on: bool) -> None:
         """Switch a signal."""

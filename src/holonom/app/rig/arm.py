@@ -8,9 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from holonom.app.job import ArmJob
+from holonom.app.rig.watch import Watch
 from holonom.arrays import Array
 from holonom.closed_loop import ArmLoop, IdealArm, SimulatedArm
 from holonom.closed_loop.arm import Frame
+from holonom.errors import ContactFault
 from holonom.lang import Status, start, step
 from holonom.machine import ControlSettings
 from holonom.machine.digital import DigitalSignals
@@ -84,14 +86,17 @@ class ArmRig:
             true=true,
             steady=job.steady,
             signals=signals,
+            world=world,
+            patience=job.settle_time,
         )
+        self._watch = Watch(self.arm, job.contact_force, lambda source, text: self.log("warning", source, text))
         self.machine = self.arm.machine
         self._state = None
         self._status = Status.HALTED
         if job.program is not None:
             self._state = start(job.program, entry=job.entry, rng=np.random.default_rng(seed))
             self._status = Status.RUNNING
-        self._line = 0
+        self._line, self._stopping = 0, False
 
     @property
     def done(self) -> bool:
@@ -126,12 +131,15 @@ class ArmRig:
             self.machine.log("debug", "program", text, self._line)
 
     def advance(self, ticks: int) -> None:
-        """Advance by some ticks; faults as `ArmMachine.advance`."""
+        """Advance by some ticks; faults as `ArmMachine.advance`, and `ContactFault`."""
         for _ in range(ticks):
             self.machine.advance()
+            if not self._stopping:
+                self._watch.look()
 
     def begin_stop(self, category: StopCategory) -> None:
         """Stop from the next tick on: along the path, or with the drives at zero speed."""
+        self._stopping = True
         if category is StopCategory.ON_PATH:
             self.machine.begin_halt()
         else:
@@ -140,9 +148,16 @@ class ArmRig:
     def explain(self, fault: Exception) -> str:
         """Word a fault, with the program line whose motion it stopped, or at which it stood."""
         program, line = self.job.program, self.machine.active_line
+        if line == 0:
+            line = self.machine.last_line if isinstance(fault, ContactFault) else self._waits_at
         if program is None or line == 0 or str(fault).startswith(f"{program.file}:"):
             return str(fault)
         return f"{program.file}:{line}: {fault}\n  {line} | {program.source(line)}"
+
+    @property
+    def _waits_at(self) -> int:
+        """The program's line at which it waits for the arm, 0 where it does not."""
+        return self._state.line if self._state is not None and self._status is Status.WAITING else 0
 
     def log(self, level: str, source: str, text: str) -> None:
         """Record an event of it."""

@@ -114,8 +114,8 @@ def _check_kept(arm: Arm, ends: Sequence[Array], wanted: Sequence[str]) -> None:
         others = [w for w in wanted if name is not None and w not in name.split()]
         if others:
             raise MotionError(
-                f"a straight line cannot change the configuration: {' '.join(others).upper()} was asked for, and the arm "
-                f"{verb} {name}; MOVE there first, or ask for what it is"
+                f"a straight line cannot change the configuration: {' '.join(others).upper()} was asked for, "
+                f"and the arm {verb} {name}; MOVE there first, or ask for what it is"
             )
 
 
@@ -166,8 +166,8 @@ def plan(
         raise MotionError(str(problem)) from problem
     if trajectory.duration > longest:
         raise MotionError(
-            f"the motion would take {trajectory.duration:.6g} s; up to {longest:g} s are allowed, the cell's time_limit: "
-            "ask for more speed or acceleration, or raise it"
+            f"the motion would take {trajectory.duration:.6g} s; up to {longest:g} s are allowed, "
+            "the cell's time_limit: ask for more speed or acceleration, or raise it"
         )
     return trajectory
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from holonom.arrays import Array
 from holonom.errors import MotionError
@@ -30,6 +32,17 @@ class Surface:
     name: str
     pose: Array
     size: tuple[float, float]
+
+    @property
+    def height(self) -> float:
+        """Of the surface in the world, m."""
+        return float(self.pose[2, 3])
+
+    def spans(self, x: ArrayLike, y: ArrayLike) -> Any:
+        """Whether points of the world lie over or under it: x, y (...), m."""
+        dx, dy = np.asarray(x) - self.pose[0, 3], np.asarray(y) - self.pose[1, 3]
+        along, across = (self.pose[0, k] * dx + self.pose[1, k] * dy for k in (0, 1))
+        return (np.abs(along) <= self.size[0] / 2) & (np.abs(across) <= self.size[1] / 2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,13 +75,17 @@ class World:
     def __init__(self, surfaces: Sequence[Surface] = (), discs: Sequence[Disc] = ()) -> None:
         self.surfaces, self.discs = list(surfaces), list(discs)
 
+    def surface_at(self, x: float, y: float) -> Surface | None:
+        """Return the highest surface that lies over or under a point of the world, None where there is none."""
+        found = [surface for surface in self.surfaces if surface.spans(x, y)]
+        return max(found, key=lambda surface: surface.height, default=None)
+
     def support(self, disc: Disc) -> float:
         """Height of what lies under a disc's centre: a surface, another disc, the floor."""
         heights = [0.0]
         for surface in self.surfaces:
-            x, y = (inverse(surface.pose) @ disc.pose[:, 3])[:2]
-            if abs(x) <= surface.size[0] / 2 and abs(y) <= surface.size[1] / 2:
-                heights.append(float(surface.pose[2, 3]))
+            if surface.spans(*disc.pose[:2, 3]):
+                heights.append(surface.height)
         for other in self.discs:
             apart = np.hypot(*(other.pose[:2, 3] - disc.pose[:2, 3]))
             if other is not disc and other.state == RESTING and apart < other.radius + disc.radius - 0.5e-3:
@@ -92,6 +109,16 @@ class Fingers:
     def idle(self) -> bool:
         """Whether the fingers stand where they were sent, or on a part."""
         return abs(self.opening - max(self._wanted, self._blocked)) < 1e-9
+
+    @property
+    def hang(self) -> float:
+        """How far what is held reaches beyond the fingertips along the tool's z, m; 0 where nothing is held."""
+        disc = self.held
+        if disc is None:
+            return 0.0
+        T, up = disc.in_tool, abs(float(disc.in_tool[2, 2]))
+        rim = disc.radius * math.sqrt(max(1.0 - up * up, 0.0))
+        return max(float(T[2, 3]) + 0.5 * disc.thickness * up + rim, 0.0)
 
     @property
     def payload(self) -> Array:

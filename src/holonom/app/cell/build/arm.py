@@ -106,6 +106,8 @@ def build_arm_job(
         rated=rated,
         hold=robot.hold or 0.0,
         steady=bool(robot.steady_tool),
+        contact_force=limits.contact_force,
+        settle_time=limits.settle_time,
     )
     return ArmBuild(job, tuple(f"{called}: {note}" for note in (*notes, *more, *slowed)), tuple(unreachable))
 
