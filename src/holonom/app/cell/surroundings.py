@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from holonom.app.job import Obstacle
 from holonom.arrays import Array
@@ -75,7 +76,7 @@ class Surroundings:
         if not self._world.surfaces and not self._obstacles:
             return None
         numbers = np.unique(np.linspace(0, motion.count - 1, SAMPLES).round().astype(np.int64))
-        frames = base @ self._arm.frames(_positions(motion, numbers))
+        frames = np.asarray(base @ self._arm.frames(_positions(motion, numbers)))
         share = 100.0 * numbers / max(motion.count - 1, 1)
         return self._obstacle(frames, share) or self._surface(frames, share, reach)
 
@@ -130,7 +131,7 @@ def _placed(tool: Array, points: Array) -> Array:
     return placed
 
 
-def _positions(motion: Trajectory, numbers: Array) -> Array:
+def _positions(motion: Trajectory, numbers: NDArray[np.int64]) -> Array:
     if motion.count <= WHOLE:
         found: Array = motion.q[numbers]
         return found

@@ -149,7 +149,7 @@ class _SplineRows:
         """See `Rows`."""
         return self.at(np.arange(first + self.offset, min(last + self.offset, self.grid.count)))
 
-    def at(self, samples: Array) -> Array:
+    def at(self, samples: NDArray[np.number[Any]]) -> Array:
         """Positions, speeds, accelerations (3, k, n) at samples by their numbers in the law."""
         s, ds, dds = self.grid.at(samples)
         slope = self.path(s, 1)
