@@ -20,7 +20,8 @@ from holonom.app.rig import Ended, Rig, simulated
 from holonom.errors import ProgramError
 from holonom.lang import poses
 from holonom.mechanics.motion import Trajectory
-from holonom.sim import World
+from holonom.sim import Surface, World
+from holonom.spatial import pose
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "02_straight_lines" / "cell.toml"
 CELL = EXAMPLE.read_text("utf-8").replace('["cascade", "computed_torque"]', '["computed_torque"]')
@@ -157,9 +158,8 @@ def test_a_wait_that_does_not_end_says_what_it_waits_for(tmp_path: Path) -> None
     path = cell(tmp_path, INTO, 'contact_force = "10kN"\nsettle_time = "500ms"\n')
     ended, recording = run(path)
     assert ":6: the arm does not come to rest: shoulder is " in ended.reason
-    assert (
-        "deg from where it was sent after 0.5 s (limits.settle_time), its current is at its limit of " in ended.reason
-    )
+    assert "deg from where it was sent, its current is at its limit of " in ended.reason
+    assert "A (it waited 0.5 s: limits.settle_time)" in ended.reason
     assert "6 | BREAK" in ended.reason
     assert ended.time < 2.5
     full = [event.text for event in recording.events if event.source == "drive"]
@@ -199,3 +199,42 @@ def test_ideal_joints_do_not_go_through_a_table(tmp_path: Path) -> None:
     ended, _ = run(path)
     assert ":5: the tool is " in ended.reason
     assert "mm inside table, which ideal joints do not feel" in ended.reason
+
+
+def test_the_time_limit_says_what_a_wait_waits_for(tmp_path: Path) -> None:
+    path = cell(tmp_path, INTO, 'contact_force = "10kN"\nsettle_time = "60s"\n')
+    path.write_text(path.read_text("utf-8").replace('time_limit = "120s"', 'time_limit = "2s"'), "utf-8")
+    ended, _ = run(path)
+    assert "not done after 2 s" in ended.reason
+    assert "BREAK (the arm does not come to rest: shoulder is " in ended.reason
+
+
+SHELF = '[[surface]]\nname = "shelf"\npose = { position = ["400mm", "-300mm", "600mm"], angle = "0deg" }\n'
+SHELF += 'size = ["400mm", "600mm"]\n'
+
+
+def test_under_a_shelf_and_over_a_table_is_free(tmp_path: Path) -> None:
+    """From the side under the shelf at half its height, and into it from above, by check and by run."""
+    table = '[table]\npose = { position = ["400mm", "-300mm", "300mm"], angle = "0deg" }\nsize = ["400mm", "600mm"]\n'
+    place = table.replace("[table]", '[[surface]]\nname = "table"')
+    under = (
+        "MOVE TRANS(340,150,420,0,180,0)\nMOVES TRANS(450,150,420,0,180,0)\nMOVES TRANS(340,150,420,0,180,0)\nBREAK\n"
+    )
+    path = cell(tmp_path, under, "", SHELF)
+    path.write_text(path.read_text("utf-8").replace(table, place), "utf-8")
+    assert len(job_of(path).surfaces) == 2
+    found = [text for text in problems(path)[0] if "the tool" in text]
+    assert found == []
+    ended, recording = run(path)
+    assert not [event for event in recording.events if event.source == "contact"], ended.reason
+
+
+def test_which_surface_is_under_a_point() -> None:
+    shelf, table = (Surface(name, pose((0.0, 0.0, z)), (1.0, 1.0)) for name, z in (("shelf", 0.6), ("table", 0.3)))
+    world = World([shelf, table])
+    for z, before, under in (
+        (0.9, None, shelf), (0.45, None, table), (0.58, None, shelf), (0.45, shelf, shelf), (0.1, None, shelf),
+        (0.28, table, table),
+    ):  # fmt: skip
+        assert world.under((0.1, 0.1, z), before) is under, z
+    assert world.under((0.6, 0.0, 0.4)) is None

@@ -82,7 +82,7 @@ class SimulatedArm:
     fingers
         Its gripper in the world; None: it has none.
     world
-        The surfaces that it can press on; None: the ground that its loop was made with.
+        The surfaces that it can press on; without any, the ground that its loop was made with.
     sink
         Where records go.
     look, ready, line, longest, patience, steady
@@ -110,7 +110,10 @@ class SimulatedArm:
         signals: DigitalSignals | None = None,
         world: World | None = None,
     ) -> None:
-        self.loop, self.fingers, self._sink, self._true, self._world = loop, fingers, sink, true, world
+        self.loop, self.fingers, self._sink, self._true = loop, fingers, sink, true
+        self._world = world if world is not None and world.surfaces else None
+        self._under: Surface | None = None
+        self._depth = -math.inf
         self.machine = ArmMachine(
             loop.arm,
             loop,
@@ -141,31 +144,28 @@ class SimulatedArm:
 
     def contact(self) -> Contact | None:
         """What it pressed on in the last tick; of ideal joints, in what it is inside."""
-        force, (surface, depth) = self.loop.pressing, self._below()
+        force, surface = self.loop.pressing, self._under
         if force is None:
-            return Contact(surface.name, None, depth) if surface is not None and depth > INSIDE else None
+            return Contact(surface.name, None, self._depth) if surface is not None and self._depth > INSIDE else None
         if force <= 0.0:
             return None
-        return Contact(surface.name if surface is not None else "the ground", force, depth)
+        return Contact(surface.name if surface is not None else "the ground", force, self._depth)
 
-    def _below(self) -> tuple[Surface | None, float]:
-        """The surface that lies under the tool, or around it, and how deep the tool or what it holds is in it, m."""
-        T = self.tool_pose()
-        surface = self._world.surface_at(*T[:2, 3]) if self._world is not None else None
-        if surface is None:
-            return None, -math.inf
-        hang = self.fingers.hang if self.fingers is not None else 0.0
-        return surface, surface.height + hang * max(-float(T[2, 2]), 0.0) - float(T[2, 3])
-
-    def _feel(self) -> None:
-        """Let the ground of the plant be what lies under the tool now."""
-        if self._world is not None:
-            base = 0.0 if self._true is None else float(self._true()[2, 3])
-            _, depth = self._below()
-            self.loop.ground = max(depth + float(self.tool_pose()[2, 3]) - base, NOWHERE)
+    def _feel(self, tool: Array) -> None:
+        """Let the ground of the plant be what lies under the tool (4, 4), or under what it holds, now."""
+        if self._world is None:
+            return
+        hang = self.fingers.hang * max(-float(tool[2, 2]), 0.0) if self.fingers is not None else 0.0
+        low = tool[:3, 3] - [0.0, 0.0, hang]
+        self._under = self._world.under(low, self._under)
+        height = self._under.height if self._under is not None else NOWHERE
+        self._depth = height - float(low[2])
+        base = 0.0 if self._true is None else float(self._true()[2, 3])
+        self.loop.ground = height + hang - base
 
     def _record(self, reference: Array) -> None:
-        self._feel()
+        frames = self.frames()
+        self._feel(frames[-1])
         now, measured, truth, put = self.loop.time, self.loop.measured, self.loop.truth, self._sink.put
         put(JointCommand(now, *reference))
         put(JointState(now, measured.position, measured.speed, measured.effort))
@@ -174,11 +174,10 @@ class SimulatedArm:
             put(EncoderCounts(now, measured.counts))
             put(DriveState(now, measured.current, measured.voltage))
             put(DriveTruth(now, truth.current))
-        put(self._poses(now))
+        put(self._poses(now, frames))
 
-    def _poses(self, now: float) -> FramePoses:
+    def _poses(self, now: float, frames: Array) -> FramePoses:
         """World poses of the links, the tool and the fingers."""
-        frames = self.frames()
         tool = frames[-1]
         names = [f"link{k + 1}" for k in range(self.loop.arm.n)] + ["tool"]
         poses = [*frames[1:-1], tool]

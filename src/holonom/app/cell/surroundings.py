@@ -13,7 +13,8 @@ from holonom.arrays import Array
 from holonom.geometry import distance
 from holonom.mechanics import Arm
 from holonom.mechanics.motion import Trajectory
-from holonom.sim import Gripper, World
+from holonom.sim import Gripper, Surface, World
+from holonom.sim.arm.world import EDGE
 from holonom.spatial import inverse
 
 __all__ = ["Found", "Reach", "Surroundings", "link_points"]
@@ -93,7 +94,7 @@ class Surroundings:
         worst: tuple[float, str] = (TOUCH, "")
         for name, points in self._parts(frames, reach):
             for surface in self._world.surfaces:
-                depth = np.where(surface.spans(points[..., 0], points[..., 1]), surface.height - points[..., 2], 0.0)
+                depth = self._depth(surface, points)
                 k = np.unravel_index(int(np.argmax(depth)), depth.shape)
                 begins = k[0] == 0 and len(share) > 1  # the motion that led there is told of it
                 if depth[k] > worst[0] and not begins:
@@ -102,6 +103,15 @@ class Surroundings:
                     text = f"{name} would be {1e3 * depth[k]:.1f} mm inside {surface.name} {place}"
                     worst = (float(depth[k]), text)
         return Found(worst[1], worst[0]) if worst[1] else None
+
+    def _depth(self, surface: Surface, points: Array) -> Array:
+        """How deep points (N, k, 3) of a motion are in a surface, (N, k); 0 under it where they go over another one."""
+        x, y, z = np.moveaxis(points, -1, 0)
+        low = surface.height - z
+        others = [s.spans(x, y) for s in self._world.surfaces if s.height < surface.height - EDGE]
+        beneath = np.any(others, axis=0) if others else np.zeros(z.shape, dtype=bool)
+        passes = beneath & (low > EDGE) & (low[0] > TOUCH)
+        return np.where(surface.spans(x, y) & ~passes, low, 0.0)
 
     def _parts(self, frames: Array, reach: Reach) -> list[tuple[str, Array]]:
         """What is looked at: names, and points (N, k, 3) in the world."""

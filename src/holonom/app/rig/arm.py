@@ -164,8 +164,9 @@ class ArmRig:
         self.machine.log(level, source, text, self.machine.active_line)
 
     def where(self) -> str:
-        """The program line that is under way, as a place in its file; "" without one."""
+        """The program line that is under way, as a place in its file, and what it waits for; "" without one."""
         program, state = self.job.program, self._state
         if program is None or state is None:
             return ""
-        return f"{program.file}:{state.line}: {program.source(state.line).strip()}"
+        waits = self.machine.unsettled()
+        return f"{program.file}:{state.line}: {program.source(state.line).strip()}{f' ({waits})' if waits else ''}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import inf
+from math import inf, isfinite
 from typing import Any
 
 import numpy as np
@@ -204,8 +204,8 @@ class ArmMachine:
         """
         self._before = self.drives.position
         if self._steady is None and self._braking == 0 and self.time() > self._asked_since + self._patience:
-            self._asked_since = inf
-            raise MotionError(self._unsettled())
+            waits, self._asked_since = self.unsettled(), inf
+            raise MotionError(f"{waits} (it waited {self._patience:g} s: limits.settle_time)")
         if self._braking > 0:
             self._braking -= 1
             self.drives.brake(self._samples)
@@ -224,16 +224,15 @@ class ArmMachine:
         finally:
             self._observe(self.queue.present())
 
-    def _unsettled(self) -> str:
-        """Which joint does not arrive: how far it is away, and what holds it."""
+    def unsettled(self) -> str:
+        """Which joint has not arrived where it was sent: how far it is away, and what holds it; "" if nobody waits."""
+        if not isfinite(self._asked_since):
+            return ""
         error, limits = self.queue.goal - self.drives.position, self.arm.limits
         joint = int(np.argmax(np.abs(error)))
         away = in_degrees(abs(float(error[joint])), limits.turns[joint])
         held = self.drives.at_limit()[joint] or "no limit holds it back"
-        return (
-            f"the arm does not come to rest: {limits.names[joint]} is {away} from where it was sent after "
-            f"{self._patience:g} s (limits.settle_time), {held}; see what it presses on, or allow more"
-        )
+        return f"the arm does not come to rest: {limits.names[joint]} is {away} from where it was sent, {held}"
 
     def _references(self) -> Array:
         """Those of the next tick (3, samples, n): of the motion under way, or what keeps the tool where it is."""

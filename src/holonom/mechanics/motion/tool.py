@@ -127,7 +127,7 @@ def plan_course(
             break
     row, joint = np.unravel_index(int(np.argmax(excess)), excess.shape)
     raise MotionError(
-        f"{where(course, float(s[row]))} joint {joint + 1} would have to be slowed {slow:.3g} "
+        f"{where(course, float(s[row]))} {bounds.names[joint]} would have to be slowed {slow:.3g} "
         f"times (at most {_SLOWEST:g}): the arm is singular there or the speed too high; use a joint motion"
     )
 
@@ -185,7 +185,7 @@ def _check_geometry(geometry: _Geometry, bounds: JointLimits, course: Course) ->
     if geometry.jump is not None:
         row, joint = geometry.jump
         raise MotionError(
-            f"{where(course, float(geometry.s[row]))} joint {joint + 1} would jump: the tool passes a singular "
+            f"{where(course, float(geometry.s[row]))} {bounds.names[joint]} would jump: the tool passes a singular "
             "pose; use a joint motion"
         )
     _check_positions(geometry.q, bounds, course, geometry.s)

@@ -21,6 +21,8 @@ __all__ = ["Disc", "Fingers", "Gripper", "Surface", "World"]
 RESTING, HELD, FALLING = "resting", "held", "falling"
 LEAST_OVERLAP = 0.3e-3
 """Height (m) over which fingertips and disc must overlap for a grasp."""
+EDGE = 0.05
+"""Thickness, m, of a surface under which something else lies."""
 LEVEL = math.cos(math.radians(10.0))
 """Cosine of the largest angle between the axes of a hand and a disc that it can grasp."""
 
@@ -75,10 +77,16 @@ class World:
     def __init__(self, surfaces: Sequence[Surface] = (), discs: Sequence[Disc] = ()) -> None:
         self.surfaces, self.discs = list(surfaces), list(discs)
 
-    def surface_at(self, x: float, y: float) -> Surface | None:
-        """Return the highest surface that lies over or under a point of the world, None where there is none."""
-        found = [surface for surface in self.surfaces if surface.spans(x, y)]
-        return max(found, key=lambda surface: surface.height, default=None)
+    def under(self, place: ArrayLike, before: Surface | None = None) -> Surface | None:
+        """Return the surface that a point (3,) of the world is over, or has sunk into; None where there is none.
+
+        That is the highest one that spans it, of those that are no more than `EDGE` above it: it may be under a shelf,
+        over a table. One that it was over `before` stays; where all are far above it, it is inside the highest.
+        """
+        x, y, z = (float(v) for v in np.asarray(place, dtype=float))
+        found = sorted((s for s in self.surfaces if s.spans(x, y)), key=lambda s: s.height)
+        near = [s for s in found if s is before or s.height <= z + EDGE]
+        return (near or found)[-1] if found else None
 
     def support(self, disc: Disc) -> float:
         """Height of what lies under a disc's centre: a surface, another disc, the floor."""
