@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import math
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from contextlib import suppress
@@ -14,7 +15,7 @@ from holonom.app.cell.surroundings import Reach, Surroundings
 from holonom.app.job import ArmJob, BaseJob, Job
 from holonom.arrays import Array
 from holonom.errors import MotionError, ProgramFault
-from holonom.lang import Program, Status, start, step
+from holonom.lang import Program, Status, VmState, start, step
 from holonom.machine import DryMachine, Problem
 from holonom.machine.arm.motions import MotionRequest
 from holonom.machine.group import planar_pose
@@ -70,8 +71,8 @@ def rehearse(job: Job, arm: ArmJob, *, progress: Callable[[float], None] = lambd
     state = start(program, entry=arm.entry, rng=np.random.default_rng(job.seed))
     try:
         while (status := step(program, state, machine)) not in (Status.HALTED, Status.PAUSED):
-            if status is Status.WAITING:
-                machine.give(state.line)
+            if status is Status.WAITING and not machine.give(state.line):
+                machine.pass_until(min(_nothing_until(program, state, machine), job.time_limit))
             machine.tick()
             progress(machine.time())
             if machine.time() >= job.time_limit:
@@ -80,6 +81,18 @@ def rehearse(job: Job, arm: ArmJob, *, progress: Callable[[float], None] = lambd
     except ProgramFault as fault:
         return Rehearsal(machine, (str(fault),), tuple(machine.notes))
     return Rehearsal(machine, (), tuple(machine.notes))
+
+
+def _nothing_until(program: Program, state: VmState, machine: _Rehearsed) -> float:
+    """When what a program waits for may change, s: at the end of a DELAY, or at the next event of a signal."""
+    frame = state.frames[-1]
+    code, operand, _ = program.routines[frame.routine].code[frame.pc]
+    word = operand[0] if code == "ACTION" and isinstance(operand, tuple) else None
+    if word == "DELAY" and state.phase == 1:
+        return state.until
+    if word == "WAIT.SIGNAL" and machine.asked_in_vain:
+        return machine.next_event()
+    return machine.time()
 
 
 class _Rehearsed(DryMachine):
@@ -178,8 +191,18 @@ class _Rehearsed(DryMachine):
         past = [event.on for event in self._events if event.number == number and event.at <= self.time()]
         return past[-1] if past else super().signal(number)
 
-    def give(self, line: int) -> None:
+    @property
+    def asked_in_vain(self) -> bool:
+        """Whether the program has asked for signals so often that nobody but an event will give them."""
+        return bool(self._asked) and min(self._asked.values()) >= PATIENCE
+
+    def next_event(self) -> float:
+        """When the next signal of the cell is switched, s; infinity where none is."""
+        return min((event.at for event in self._events if event.at > self.time()), default=math.inf)
+
+    def give(self, line: int) -> bool:
         """Take a signal as given for which the program has asked some times where another robot may give it."""
+        given = False
         for number, times in list(self._asked.items()):
             if times < PATIENCE or self._comes(number):
                 continue
@@ -188,10 +211,11 @@ class _Rehearsed(DryMachine):
                 continue
             who = f"robot {giver.name!r}" if giver is not None else "another arm's program"
             self.notes.append(f"it waits for signal {number} at line {line}; taken as given by {who}")
-            self._given[number] = not self.signal(number)
+            self._given[number], given = not self.signal(number), True
             if giver is not None:
                 self._frame = self._carried({giver.name: end_of(giver)})
             self._asked.clear()
+        return given
 
     def _comes(self, number: int) -> bool:
         return any(event.number == number and event.at > self.time() for event in self._events)

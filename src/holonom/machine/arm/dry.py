@@ -121,6 +121,10 @@ class DryMachine:
         self._clock += PROGRAM_TICK
         self._moved_in_tick = False
 
+    def pass_until(self, time: float) -> None:
+        """Let time (s) pass up to the tick before a moment, where nothing happens until then."""
+        self._clock = max(self._clock, time - PROGRAM_TICK)
+
     def idle(self) -> bool:
         """Motions end at once."""
         return True

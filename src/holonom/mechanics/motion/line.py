@@ -27,10 +27,10 @@ def plan_line(
 ) -> Trajectory:
     """Move the tool on a straight line, at rest at both ends.
 
-    The tool point goes straight from its place at `q0` to that of `T1` while the orientation turns about one
-    fixed axis by the shorter way (slerp); one time law drives both, set by the slower. The joints go on from `q0` by
-    continuity, through a singular pose too where none has to jump. Where a joint would leave its speed or acceleration limit, the whole line is
-    slowed.
+    The tool point goes straight from its place at `q0` to that of `T1` while the orientation turns about one fixed axis
+    by the shorter way (slerp); one time law drives both, set by the slower. The joints go on from `q0` by continuity,
+    through a singular pose too where none has to jump. Where a joint would leave its speed or acceleration limit, the
+    whole line is slowed.
 
     Parameters
     ----------
