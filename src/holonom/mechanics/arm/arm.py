@@ -79,10 +79,10 @@ class Arm:
     @property
     def limits(self) -> Limits:
         """Joint limits as arrays."""
-        moving = [self.model.joints[i] for i in self.model.independent]
-        bounds = [j.limits for j in moving]
+        model = self.model
+        bounds = [model.limits(i) for i in model.independent]
         rows = [(b.lower, b.upper, b.speed, b.acceleration, b.torque) for b in bounds]
-        return Limits(tuple(j.name for j in moving), *np.array(rows, dtype=float).T.copy())
+        return Limits(tuple(model.joints[i].name for i in model.independent), *np.array(rows, dtype=float).T.copy())
 
     def with_tool(self, tool: ArrayLike) -> Arm:
         """Return the arm with another tool pose T_nt (4, 4)."""
@@ -256,9 +256,9 @@ class Arm:
     def ik_nearest(
         self, T: ArrayLike, q0: ArrayLike, *, weights: ArrayLike | None = None, threads: int = 1
     ) -> IkNearest:
-        """The reachable branch nearest to `q0`, with joints whole turns away where limits allow.
+        """The solution nearest to `q0`, of all branches, their whole turns within the limits and their free joints.
 
-        Without a closed form the numerical solver starts from `q0` (`mechanics.numerical_inverse`).
+        Without a closed form the target is approached from `q0` (`mechanics.arm.searched`): the solution nearest there.
 
         Parameters
         ----------
@@ -269,7 +269,8 @@ class Arm:
 
         Returns
         -------
-        `status` is that of the branch taken: OK or SINGULAR, and LIMIT or UNREACHABLE if no branch is better.
+        `status` is that of the branch taken: OK or SINGULAR, and LIMIT or UNREACHABLE if no branch is better. Without a
+        closed form FAR says that `q` reaches the target with a jump from `q0`: a nearer solution may exist.
 
         Raises
         ------
@@ -283,7 +284,9 @@ class Arm:
     @functools.cached_property
     def _nearest(self) -> Callable[[ArrayLike, ArrayLike, ArrayLike | None, int], IkNearest]:
         if self.closed_form is None:
-            return self._searched
+            from holonom.mechanics.arm.searched import Searched
+
+            return Searched(self).take
         from holonom.mechanics.arm.nearest import Nearest  # compiled code, on first use
 
         place = self.placement
@@ -293,19 +296,6 @@ class Arm:
             return Arm(self.model)._nearest
         take = self.first._nearest
         return lambda T, q0, weights, threads: take(place.from_first(T), q0, weights, threads)
-
-    def _searched(self, T: ArrayLike, q0: ArrayLike, weights: ArrayLike | None, threads: int) -> IkNearest:
-        """What the numerical solver finds from q0."""
-        from holonom.mechanics.numerical_inverse import InverseStatus, solve_inverse
-
-        found = solve_inverse(self, T, q0, threads=threads)
-        named = {
-            InverseStatus.OK: IkStatus.OK,
-            InverseStatus.NOT_CONVERGED: IkStatus.UNREACHABLE,
-            InverseStatus.LIMIT: IkStatus.LIMIT,
-        }
-        status = np.array([named[s] for s in InverseStatus], dtype=np.int8)[found.status]
-        return IkNearest(found.q, status, np.full(np.shape(status), -1), ())
 
     def inverse_dynamics(
         self,

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, real_array
 from holonom.errors import MotionError, OutOfLimits, ShapeError
+from holonom.model import outside
 
 __all__ = ["STILL", "JointLimits", "Trajectory", "check_inside", "joint_vector", "remainder", "standstill"]
 
@@ -98,9 +99,9 @@ def joint_vector(name: str, value: ArrayLike, n: int) -> Array:
 
 def check_inside(q: Array, limits: JointLimits) -> None:
     """Raise `OutOfLimits` where a position in `q` (n,) lies outside its limits."""
-    outside = (q < limits.lower) | (q > limits.upper)
-    if outside.any():
-        j = int(np.argmax(outside))
+    beyond = outside(q, limits.lower, limits.upper)
+    if beyond.any():
+        j = int(np.argmax(beyond))
         raise OutOfLimits(
             f"{limits.names[j]} is to go to {q[j]:.6g}; "
             f"its limits are {limits.lower[j]:.6g} to {limits.upper[j]:.6g} (rad or m)"

@@ -14,16 +14,16 @@ from holonom.mechanics.equations import kinematics
 from holonom.mechanics.equations.inverse.subproblems import Branch, Truth, Turn
 from holonom.mechanics.equations.vectors import Matrix, Pose, Vector, compose, dot, matmul, matvec, sub, transpose
 from holonom.mechanics.kernels.inverse.closed_form import ClosedForm
-from holonom.model import ArmModel, JointLimits
+from holonom.model import LIMIT_TOLERANCE, ArmModel, JointLimits, outside
 from holonom.spatial.poses import RIGID
 from holonom.trace import Kernel, Number, absolute, atan2, compile, less, select
 
 __all__ = [
     "LIMIT",
-    "LIMIT_TOLERANCE",
     "OK",
     "REACHED",
     "SINGULAR",
+    "SINGULAR_LIMIT",
     "UNREACHABLE",
     "inverse_geometry",
     "inverse_kernel",
@@ -32,13 +32,11 @@ __all__ = [
 ]
 
 
-OK, UNREACHABLE, LIMIT, SINGULAR = 0, 1, 2, 3
+OK, UNREACHABLE, LIMIT, SINGULAR, SINGULAR_LIMIT = 0, 1, 2, 3, 4
 REACHED = 1e-8
 """Root of the sum of squares of T(q) - T (m, and the rotation's entries) up to which a branch has reached the pose."""
 DEPARTED = 1e3
 """How much further a branch that is still to be refined may miss, per departure of the axes from the closed form's."""
-LIMIT_TOLERANCE = 1e-9
-"""Angle (rad) or way (m) by which rounding may pass a joint limit."""
 
 
 def inverse_geometry(model: ArmModel, form: ClosedForm, target: Vector) -> tuple[list[Number], list[Number]]:
@@ -153,12 +151,13 @@ def _below(q: Number, bound: float) -> Truth:
 
 
 def _status(model: ArmModel, q: Vector, missed: Truth, free: Truth) -> Number:
-    outside: Truth = False
+    beyond: Truth = False
     for joint, v in zip(model.joints, q, strict=True):
         for bound, sign in ((joint.limits.lower, 1.0), (joint.limits.upper, -1.0)):
             if math.isfinite(bound):
-                outside = outside | less(sign * v, sign * bound - LIMIT_TOLERANCE)
-    return select(missed, UNREACHABLE, select(outside, LIMIT, select(free, SINGULAR, OK)))
+                beyond = beyond | less(sign * v, sign * bound - LIMIT_TOLERANCE)
+    inside, out = select(free, SINGULAR, OK), select(free, SINGULAR_LIMIT, LIMIT)
+    return select(missed, UNREACHABLE, select(beyond, out, inside))
 
 
 def refined(
@@ -182,8 +181,9 @@ def refined(
         better = better + np.einsum("...ij,...j->...i", inverse, pose_error(fk(better), goal, rows))
     missed = np.linalg.norm(pose_error(fk(better), goal, rows), axis=-1) > REACHED
     missed |= status == UNREACHABLE
-    outside = ((better < limits[0] - LIMIT_TOLERANCE) | (better > limits[1] + LIMIT_TOLERANCE)).any(-1)
-    rest = np.where(outside, LIMIT, np.where(status == SINGULAR, SINGULAR, OK))
+    beyond = outside(better, *limits).any(-1)
+    free = (status == SINGULAR) | (status == SINGULAR_LIMIT)
+    rest = np.where(beyond, np.where(free, SINGULAR_LIMIT, LIMIT), np.where(free, SINGULAR, OK))
     return np.where(missed[..., None], q, better), np.where(missed, UNREACHABLE, rest).astype(np.int8)
 
 
