@@ -20,6 +20,7 @@ from holonom.model.arm import (
     Transform,
     constant_transform,
 )
+from holonom.model.chain import ToolChain, tool_chain
 from holonom.model.dh import DHRow, arm_model_from_dh, joint_from_dh
 from holonom.model.joint_kinds import JOINT_KINDS
 from holonom.model.limits import LIMIT_TOLERANCE, JointLimits, outside
@@ -42,6 +43,7 @@ __all__ = [
     "JointLimits",
     "Mimic",
     "Motor",
+    "ToolChain",
     "Transform",
     "arm_model_from_dh",
     "constant_transform",
@@ -52,4 +54,5 @@ __all__ = [
     "preset_names",
     "reach",
     "read_urdf",
+    "tool_chain",
 ]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from holonom.arrays import Array, real_array, vectors
+from holonom.arrays import Array, angles, real_array
 from holonom.errors import NotAPose, ShapeError
 from holonom.mechanics.arm.members import Reference, nearest_members, whole_turns
 from holonom.mechanics.kernels.inverse.geometry import REACHED, pose_error
@@ -31,10 +31,10 @@ def joint_vectors(name: str, q: ArrayLike, names: tuple[str, ...]) -> Array:
 
     Raises
     ------
-    ShapeError
-        Another shape; something that is no finite number, named with its joint and row.
+    ShapeError, NotFinite, OutOfLimits
+        Another shape; something that is no finite number, or an angle beyond 1e15 rad, named with its joint and row.
     """
-    return vectors(name, q, len(names), [f"joint {name!r}" for name in names])
+    return angles(name, q, len(names), [f"joint {name!r}" for name in names])
 
 
 def joint_weights(weights: ArrayLike | None, n: int) -> Array:

@@ -10,7 +10,7 @@ import numpy as np
 from numba import float64, int8, int64, void
 from numpy.typing import NDArray
 
-from holonom.arrays import Array
+from holonom.arrays import REVOLUTION, Array
 from holonom.mechanics.kernels.inverse.geometry import LIMIT, REACHED, SINGULAR, SINGULAR_LIMIT, UNREACHABLE
 from holonom.model import LIMIT_TOLERANCE
 from holonom.trace.call.direct import ArrayObject, array_of, direct, fits, scratch
@@ -108,7 +108,7 @@ def _nearest(address: int, forward: int, count: int, target: Any, reference: Any
     for x in goal.flat:
         total += x
     for x in start:
-        total += x
+        total += x if abs(x) <= REVOLUTION else np.inf
     if start.shape[0] != n or count * (n + 1) + n > ROOM or not math.isfinite(total):
         return nothing(entry(answers, 0))
     found = scratch(ROOM)

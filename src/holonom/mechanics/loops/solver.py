@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.arrays import Array
+from holonom.arrays import REVOLUTION, Array
 from holonom.mechanics.loops.pose_check import is_rigid
 from holonom.model import LIMIT_TOLERANCE
 from holonom.trace.call.pointer import call_kernel
@@ -374,7 +374,7 @@ def solve_one(
         if not abs(x) < np.inf:
             return -1
     for k in range(start.shape[0]):
-        if not abs(start[k]) < np.inf:
+        if not abs(start[k]) <= REVOLUTION:
             return -1
         if bounded and not limits[0, k] - LIMIT_TOLERANCE <= start[k] <= limits[1, k] + LIMIT_TOLERANCE:
             return -1

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, real_array
-from holonom.errors import MotionError, OutOfLimits, ShapeError
+from holonom.errors import MotionError, NotFinite, OutOfLimits, ShapeError
 from holonom.model import outside
 
 __all__ = ["STILL", "JointLimits", "Trajectory", "check_inside", "joint_vector", "remainder", "standstill"]
@@ -93,7 +93,7 @@ def joint_vector(name: str, value: ArrayLike, n: int) -> Array:
         raise ShapeError(f"{name} has shape {vector.shape}; the arm has {n} joints, give shape ({n},)")
     if not np.isfinite(vector).all():
         k = int(np.argmin(np.isfinite(vector)))
-        raise ShapeError(f"{name}[{k}] is {vector[k]} of {vector}; give finite joint positions")
+        raise NotFinite(f"{name}[{k}] is {vector[k]} of {vector}; give finite joint positions")
     return vector
 
 

@@ -24,7 +24,7 @@ from holonom.mechanics.equations.inverse.subproblems import (
 from holonom.mechanics.equations.vectors import Pose, Vector, add, cross, dot, matvec, scale, sub, tvec
 from holonom.trace import maximum, minimum, sqrt
 
-__all__ = ["planar_point", "planar_pose", "three_parallel"]
+__all__ = ["planar_point", "planar_pose", "remaining", "three_parallel"]
 
 MARGIN = 1e-3
 """Over the length of links 2 and 3: by what joint 4 stays away from where they fold back upon each other."""
@@ -68,7 +68,7 @@ def _two_to_six(parallel: Sequence[Screw], wrist: Sequence[Screw], C: Sequence[V
         carried = [rotated(s6.h, back6, v) for v in (rotated(s5.h, back5, x), arm)]
         total, _ = turn_onto(h, x, tvec(C, carried[0]))
         for triangle in two_parallel_turns(s2, s3, s4.p, add(o, tvec(C, carried[1]))):
-            values = [*triangle.values, _remaining(total, h, parallel, triangle.values), q5, reverse(back6)]
+            values = [*triangle.values, remaining(total, h, parallel, triangle.values), q5, reverse(back6)]
             branches.append(Branch(values, free | triangle.free))
     return branches
 
@@ -86,7 +86,7 @@ def _folded(last: Screw, arm: Vector, shoulder: Vector, least: float) -> Turn:
     return followed_by(onto, Turn(cosine, sqrt(maximum(1.0 - cosine * cosine, 0.0))))
 
 
-def _remaining(total: Turn, h: Vector, screws: Sequence[Screw], values: Sequence[Value]) -> Turn:
+def remaining(total: Turn, h: Vector, screws: Sequence[Screw], values: Sequence[Value]) -> Turn:
     """The last value of joints parallel to h that turn by `total` about h together, from those of the others."""
     signs = [float(dot(h, s.h)) for s in screws]
     for sign, value in zip(signs[:-1], values, strict=True):
@@ -104,7 +104,7 @@ def planar_pose(screws: Sequence[Screw], G: Pose) -> list[Branch]:
     total, _ = turn_onto(h, x, matvec(R, x))
     branches = []
     for triangle in _triangles(screws, third.p, add(matvec(R, third.p), p)):
-        last = _remaining(total, h, turning, triangle.values[:2])
+        last = remaining(total, h, turning, triangle.values[:2])
         branches.append(Branch(_sorted(screws, [*triangle.values[:2], last, *triangle.values[2:]]), triangle.free))
     return branches
 

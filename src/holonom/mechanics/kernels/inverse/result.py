@@ -73,11 +73,7 @@ class IkResult(NamedTuple):
 
     def _repeated(self) -> NDArray[np.bool_]:
         """Whether a branch (..., k) is an earlier one again."""
-        apart = self.q[..., :, None, :] - self.q[..., None, :, :]
-        same = np.abs(apart - 2.0 * np.pi * np.round(apart / (2.0 * np.pi))).max(-1) < 1e-6
-        both = (self.status != IkStatus.UNREACHABLE)[..., None, :]
-        earlier = np.tri(self.status.shape[-1], k=-1, dtype=bool)
-        return np.asarray((same & both & earlier).any(-1))
+        return inverse_geometry.repeated(self.q, self.status != IkStatus.UNREACHABLE)
 
 
 class IkNearest(NamedTuple):
