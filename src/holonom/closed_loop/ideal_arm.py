@@ -15,7 +15,7 @@ from holonom.control.kernels import axis_violation
 from holonom.machine.arm.servos import ControlSettings
 from holonom.mechanics import Arm
 from holonom.mechanics.motion.trajectory import joint_vector
-from holonom.model import Joint
+from holonom.model import ArmModel
 
 __all__ = ["IdealArm"]
 
@@ -54,8 +54,7 @@ class IdealArm:
         self.ticks = 0
         self.worst = {name: np.zeros(arm.n) for name in ("speed", "torque", "current", "voltage", "error", "rms_error")}
         """Largest magnitudes since the start (n,)."""
-        joints = [arm.model.joints[i] for i in arm.model.independent]
-        self._limits = [_axis_limits(joint, settings.error_of(joint)) for joint in joints]
+        self._limits = [_axis_limits(arm.model, i, settings) for i in arm.model.independent]
 
     @property
     def tick(self) -> float:
@@ -129,6 +128,7 @@ class IdealArm:
                 )  # fmt: skip
 
 
-def _axis_limits(joint: Joint, error: float) -> AxisLimits:
-    bounds = joint.limits
+def _axis_limits(model: ArmModel, axis: int, settings: ControlSettings) -> AxisLimits:
+    joint, bounds = model.joints[axis], model.limits(axis)
+    error = settings.error_of(joint)
     return AxisLimits(bounds.lower - error, bounds.upper + error, 2.0 * bounds.speed, 1.0, error, joint.unit)

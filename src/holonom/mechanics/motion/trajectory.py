@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, real_array
-from holonom.errors import MotionError, OutOfLimits, ShapeError
+from holonom.errors import MotionError, NotFinite, OutOfLimits, ShapeError
+from holonom.model import outside
 from holonom.model.joint_values import looks_like_degrees, written
 
 __all__ = [
@@ -246,15 +247,15 @@ def joint_vector(name: str, value: ArrayLike, n: int) -> Array:
         raise ShapeError(f"{name} has shape {vector.shape}; the arm has {n} joints, give shape ({n},)")
     if not np.isfinite(vector).all():
         k = int(np.argmin(np.isfinite(vector)))
-        raise ShapeError(f"{name}[{k}] is {vector[k]} of {vector}; give finite joint positions")
+        raise NotFinite(f"{name}[{k}] is {vector[k]} of {vector}; give finite joint positions")
     return vector
 
 
 def check_inside(q: Array, limits: JointLimits) -> None:
     """Raise `OutOfLimits` where a position in `q` (n,) lies outside its limits."""
-    outside = (q < limits.lower) | (q > limits.upper)
-    if outside.any():
-        j = int(np.argmax(outside))
+    beyond = outside(q, limits.lower, limits.upper)
+    if beyond.any():
+        j = int(np.argmax(beyond))
         degrees = looks_like_degrees(q, limits.lower, limits.upper, limits.turns)
         hint = "; angles are in rad: are these degrees? give numpy.radians(q)" if degrees else ""
         raise OutOfLimits(

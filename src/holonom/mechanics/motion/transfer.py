@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from holonom.arrays import Array, real_array
 from holonom.errors import InputError, MotionError, OutOfLimits, ShapeError
 from holonom.mechanics.motion.trajectory import JointLimits, Trajectory, check_inside, joint_vector, limits_of
+from holonom.model import outside
 from holonom.model.joint_values import written
 
 __all__ = ["plan_transfer"]
@@ -111,10 +112,10 @@ def _solve(ruckig: Any, first: list[Array], last: list[Array], limits: JointLimi
 
 
 def _check_way(q: Array, limits: JointLimits) -> None:
-    outside = (q < limits.lower - 1e-9) | (q > limits.upper + 1e-9)
-    if outside.any():
-        j = int(np.argmax(outside.any(axis=0)))
-        worst = q[np.argmax(outside[:, j]), j]
+    beyond = outside(q, limits.lower, limits.upper)
+    if beyond.any():
+        j = int(np.argmax(beyond.any(axis=0)))
+        worst = q[np.argmax(beyond[:, j]), j]
         raise MotionError(
             f"{limits.names[j]} would go to {written(worst, limits.turns[j])} on the way; {limits_of(limits, j)}: "
             "start slower, or take a way round"

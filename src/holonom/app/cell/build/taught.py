@@ -14,6 +14,7 @@ from holonom.lang import Configuration, Program
 from holonom.lang.program import Operand
 from holonom.machine import branch_joints
 from holonom.mechanics import Arm
+from holonom.model import outside
 from holonom.model.joint_values import in_degrees, range_in_degrees
 
 __all__ = ["taught_problems"]
@@ -74,7 +75,7 @@ def _problem(arm: Arm, home: Array, value: Array) -> str | None:
         return f"{value.size} joint values came; the arm has {arm.n} joints"
     limits = arm.limits
     for name, turns, *values in zip(limits.names, limits.turns, value, limits.lower, limits.upper, strict=True):
-        if not values[1] <= values[0] <= values[2]:
+        if outside(*values):
             came, allowed = in_degrees(values[0], turns), range_in_degrees(values[1], values[2], turns)
             return f"{came} came for {name}; {allowed} is allowed"
     return None

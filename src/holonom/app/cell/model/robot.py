@@ -28,7 +28,7 @@ from holonom.app.fields.quantities import Quantity, Section, Size
 from holonom.app.fields.units import DIMENSIONS, parse_quantity
 from holonom.control import CONTROLLERS
 from holonom.errors import CellError, OutOfLimits, UnknownName
-from holonom.model import Joint
+from holonom.model import Joint, outside
 from holonom.model.joint_values import looks_like_degrees
 
 __all__ = ["GripperTool", "Robot", "RodTool"]
@@ -154,18 +154,16 @@ def _home(given: Any, info: ValidationInfo) -> Any:
         for number, (value, joint) in enumerate(zip(given, joints, strict=True))
     ]
     faults.raise_any()
-    for joint, value in zip(joints, found, strict=True):
-        if not joint.limits.lower <= value <= joint.limits.upper:
-            low, high = (_written(bound, joint) for bound in (joint.limits.lower, joint.limits.upper))
-            hint = _degrees_hint(joints, found, value)
+    limits = [source.model.limits(i) for i in source.model.independent]
+    for joint, bounds, value in zip(joints, limits, found, strict=True):
+        if outside(value, bounds.lower, bounds.upper):
+            low, high = (_written(bound, joint) for bound in (bounds.lower, bounds.upper))
+            degrees = looks_like_degrees(
+                found, [b.lower for b in limits], [b.upper for b in limits], [j.turns for j in joints]
+            )
+            hint = f"; are these degrees? write {value:g}deg" if degrees else ""
             raise OutOfLimits(f"{_written(value, joint)} came for {joint.name}; {low} to {high} is allowed{hint}")
     return tuple(found)
-
-
-def _degrees_hint(joints: list[Joint], found: list[float], value: float) -> str:
-    lower, upper = ([getattr(joint.limits, bound) for joint in joints] for bound in ("lower", "upper"))
-    degrees = looks_like_degrees(found, lower, upper, [joint.turns for joint in joints])
-    return f"; are these degrees? write {value:g}deg" if degrees else ""
 
 
 def _dimension(joint: Joint) -> str:
