@@ -161,6 +161,33 @@ def test_a_check_tells_the_line_that_cannot_change_it() -> None:
     assert (problem.line, "LEFTY was asked for" in problem.text) == (4, True)
 
 
+@pytest.mark.parametrize("name", ["puma560", "ur5e", "stanford"])
+def test_a_named_configuration_goes_to_its_nearest_member(name: str) -> None:
+    """At the straight wrist a configuration is a set: the joints that the arm has are in it, and are kept."""
+    arm, rng = load_arm(name), np.random.default_rng(3)
+    lower, upper = np.maximum(arm.limits.lower, -2.5) + 0.1, np.minimum(arm.limits.upper, 2.5) - 0.1
+    parts = {"righty": "shoulder", "lefty": "shoulder", "above": "elbow", "below": "elbow", "flip": "wrist"}
+    for _ in range(10):
+        q = rng.uniform(lower, upper)
+        q[4] = 0.0
+        nearest = arm.ik_nearest(arm.fk(q), q)
+        words = nearest.names[int(nearest.branch)].split()
+        asked = Configuration(**{parts[word]: word for word in words if word in parts})
+        np.testing.assert_allclose(branch_joints(arm, arm.fk(q), q, asked), q, atol=1e-6)
+
+
+def test_an_arm_without_a_closed_form_says_so_in_a_programs_words() -> None:
+    panda = load_arm("panda")
+    q = np.array(panda.model.poses["ready"])
+    T = panda.fk(q)
+    np.testing.assert_allclose(branch_joints(panda, T, q, Configuration()), q, atol=1e-6)
+    with pytest.raises(MotionError, match="no joints within the limits were found"):
+        branch_joints(panda, above(T, 3.0), q, Configuration())
+    for kind in ("joint", "line"):
+        with pytest.raises(MotionError, match="LEFTY was asked for"):
+            plan(panda, q, request(kind, above(T, 0.01), shoulder="lefty"), LINE)
+
+
 def dry_machine(**options: float) -> DryMachine:
     return DryMachine(PUMA, HOME, look=lambda: (), ready=HOME, line=LINE, hand_time=0.1, **options)
 

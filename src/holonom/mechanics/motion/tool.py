@@ -224,7 +224,7 @@ def _followed(arm: LineArm, start: Array, course: Course, s: Array) -> tuple[Arr
     T = course.poses(s)
     solutions = arm.ik(T)
     branch = _branch(solutions, start, arm.limits.turns)
-    if branch is not None and (solutions.status[:, branch] == IkStatus.OK).all():
+    if branch is not None and np.isin(solutions.status[:, branch], (IkStatus.OK, IkStatus.LIMIT)).all():
         q = np.unwrap(solutions.q[:, branch], axis=0)
         q += _TURN * np.round((start - q[0]) / _TURN)
         q[0] = start
