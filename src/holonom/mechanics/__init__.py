@@ -52,7 +52,7 @@ _MODULES = (
     "symbolic",
     "velocity",
 )
-_LATE = {name: "holonom.mechanics.arm.locked" for name in ("all_solutions", "swivel_solutions")}
+_LATE = dict.fromkeys(("all_solutions", "swivel_solutions"), "holonom.mechanics.arm.locked")
 """Functions whose module is loaded when they are first asked for."""
 __all__ = [
     "Arm",
