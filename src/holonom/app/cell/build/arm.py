@@ -251,9 +251,10 @@ def _with_limits(arm: Arm, home: Array) -> tuple[Arm, tuple[str, ...]]:
         if not (0.0 < known.speed < math.inf):
             limits = dataclasses.replace(limits, speed=SLOW_TURN if joints[i].turns else SLOW_SLIDE)
             slow.append(name)
+        speed = known.speed if 0.0 < known.speed < math.inf else limits.speed
         if not (0.0 < known.acceleration < math.inf):
             most = 0.5 * known.torque / b if 0.0 < known.torque < math.inf and 0.0 < b < math.inf else math.inf
-            limits = dataclasses.replace(limits, acceleration=min(min(limits.speed, known.speed) / RUN_UP, most))
+            limits = dataclasses.replace(limits, acceleration=min(speed / RUN_UP, most))
             eager.append(name)
         joints[i] = dataclasses.replace(joints[i], limits=limits)
     if not slow and not eager:
