@@ -88,7 +88,17 @@ def test_what_pinocchio_makes_of_oddities(pinocchio):
     """Of each file that the strict check refuses: what Pinocchio reads is read, and stands where it puts it."""
     from test_urdf import BAD
 
-    refused = {"axis", "ring apart", "bomb", "doctype", "all fixed", "fixed mimic", "xacro", "no joint", "only floating"}
+    refused = {
+        "axis",
+        "ring apart",
+        "bomb",
+        "doctype",
+        "all fixed",
+        "fixed mimic",
+        "xacro",
+        "no joint",
+        "only floating",
+    }
     for case, (text, _, _) in BAD.items():
         try:
             peer = pinocchio.buildModelFromXML(text)

@@ -8,11 +8,11 @@ from pathlib import Path
 from holonom.errors import InputError, UnknownName
 from holonom.model.arm import ArmModel
 from holonom.model.presets import preset, preset_names
-from holonom.model.urdf.check import Check, CheckMode
+from holonom.model.urdf.check import CHECKS, Check, CheckMode
 from holonom.model.urdf.inertia import CheckInertia
 from holonom.model.urdf.reader import arm_model_from_urdf, urdf_model, warn_of
 
-__all__ = ["CheckInertia", "CheckMode", "found_model", "load_model", "warn_of"]
+__all__ = ["CHECKS", "CheckInertia", "CheckMode", "found_model", "load_model", "warn_of"]
 
 SUFFIXES = (".urdf", ".xml", ".xacro")
 

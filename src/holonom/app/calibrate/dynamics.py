@@ -12,8 +12,9 @@ from holonom.app.console.answer import Answer
 from holonom.app.console.output import prepare_output
 from holonom.app.recording import read_recording
 from holonom.errors import InputError
-from holonom.mechanics import Arm, load_arm
+from holonom.mechanics import Arm
 from holonom.mechanics.identification import Identification, identify
+from holonom.model.load import found_model
 
 __all__ = ["calibrate_dynamics"]
 
@@ -38,7 +39,7 @@ def calibrate_dynamics(
     InputError
         No such recording or arm, another number of joints, or a motion that tells too little.
     """
-    arm = load_arm(arm_name)
+    arm = Arm(found_model(arm_name))
     read = read_recording(recording)
     track = read.joints
     if track.position.shape[1] != arm.n or track.effort.shape[1] != arm.n:
