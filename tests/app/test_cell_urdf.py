@@ -38,7 +38,7 @@ def notes(path: Path, capsys: pytest.CaptureFixture[str]) -> str:
 
 def test_check_shows_what_was_passed_over_and_guessed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     told = notes(cell(tmp_path), capsys)
-    assert "line 7: <limit> of joint 'j' needs velocity=\"...\"; it is missing or empty: it has no such limit" in told
+    assert "line 6: <limit> of joint 'j' needs velocity=\"...\"; it is missing or empty: it has no such limit" in told
     assert "line 2: link 'upper' has an inertia that no body has" in told
     assert "line 2: no link is called like a tool: 'fore' is taken for the tool, a guess" in told
     assert "its drives are ideal: arm 'two' states no inertia" in told
@@ -48,7 +48,7 @@ def test_check_shows_what_was_passed_over_and_guessed(tmp_path: Path, capsys: py
 
 
 def test_a_cell_can_ask_for_a_strict_reading(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"cell.toml:5: robot\[0\].model: .*line 7: <limit> of joint 'j' needs veloc"):
+    with pytest.raises(InputError, match=r"cell.toml:5: robot\[0\].model: .*line 6: <limit> of joint 'j' needs veloc"):
         load_cell(cell(tmp_path, ', check = "strict"'))
     with pytest.raises(CellError, match="no setting 'loose'; there is strict, warn"):
         load_cell(cell(tmp_path, ', check = "loose"'))

@@ -15,7 +15,7 @@ __all__ = ["JointPath", "check_smooth", "joint_spline", "place_of"]
 
 
 _CORNER = 1e-6  # jump of the direction, relative to the largest slope, that counts as a corner
-_STILL = 1e-9  # slope, relative to the largest one, that counts as standing still
+_STILL = 1e-9  # slope and bend, relative to the largest slope, that count as standing still
 
 
 class JointPath(Protocol):
@@ -82,16 +82,18 @@ def place_of(path: JointPath, s: float) -> str:
 def check_smooth(path: JointPath, s: Array) -> None:
     """Refuse a path with a corner at a breakpoint, or one that stands still at one of `s` (N,).
 
+    Where a path turns back (dq/ds = 0, but not d2q/ds2) it runs on: only the joints' speeds are zero there.
+
     Raises
     ------
     MotionError
     """
     slope = path(s, 1)
-    size = np.abs(slope).max()
-    still = np.abs(slope).max(axis=1) <= _STILL * size
+    size, bend = np.abs(slope).max(), np.abs(path(s, 2)).max(axis=1) * (s[-1] - s[0])
+    still = np.maximum(np.abs(slope).max(axis=1), bend) <= _STILL * size
     if still.any():
         raise MotionError(
-            f"{place_of(path, float(s[np.argmax(still)]))} the path stands still (dq/ds = 0); "
+            f"{place_of(path, float(s[np.argmax(still)]))} the path stands still (dq/ds = d2q/ds2 = 0); "
             "leave out repeated points, or give a parameter that runs on"
         )
     inner = path.x[1:-1]
