@@ -204,6 +204,11 @@ def test_spline_points() -> None:
         joint_spline([[0.0], [1.0], [1.0]])
     with pytest.raises(ShapeError, match=r"points have shape \(1, 1\)"):
         joint_spline([[0.0]])
+    for wrong in ([0.0, np.inf], [1.0, 0.0], [0.0, np.nan]):
+        with pytest.raises(ShapeError, match="give one finite, rising number per point"):
+            joint_spline([[0.0], [1.0]], s=wrong)
+    with pytest.raises(ShapeError, match="no slope can be that steep"):
+        joint_spline([[0.0], [1.0]], s=[0.0, 1e-320])
     with pytest.raises(OutOfLimits, match="degree 4"):
         joint_spline([[0.0], [1.0]], degree=4)
 

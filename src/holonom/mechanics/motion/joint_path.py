@@ -53,8 +53,13 @@ def joint_spline(points: ArrayLike, *, degree: int = 3, s: ArrayLike | None = No
     if degree not in (3, 5):
         raise OutOfLimits(f"degree {degree} of a joint spline: give 3 or 5")
     at = _chords(q) if s is None else real_array("s", s)
-    if at.shape != q.shape[:1] or not (np.diff(at) > 0.0).all():
-        raise ShapeError(f"s of shape {at.shape} for {q.shape[0]} points; give one rising number per point")
+    if at.shape != q.shape[:1] or not np.isfinite(at).all() or not (np.diff(at) > 0.0).all():
+        raise ShapeError(f"s of shape {at.shape} for {q.shape[0]} points; give one finite, rising number per point")
+    with np.errstate(over="ignore"):
+        steep = ~np.isfinite(np.diff(q, axis=0) / np.diff(at)[:, None]).all(axis=1)
+    if steep.any():
+        k = int(np.argmax(steep))
+        raise ShapeError(f"from point {k} to {k + 1} s rises by {at[k + 1] - at[k]:g} only; no slope can be that steep")
     if degree == 3:
         path: JointPath = CubicSpline(at, q, bc_type="natural")
         return path
