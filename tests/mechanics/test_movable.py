@@ -49,9 +49,7 @@ VERBS: dict[str, Callable[[ArmModel], object]] = {
 @pytest.mark.parametrize("verb", VERBS)
 def test_the_joint_without_mass_is_named(verb: str) -> None:
     for last in (NONE, moved(POINT)):
-        with pytest.raises(
-            MissingInertia, match=r"arm 'chain': joint '\w*2' moves no mass, so its acc"
-        ):
+        with pytest.raises(MissingInertia, match=r"arm 'chain': joint '\w*2' moves no mass, so its acc"):
             VERBS[verb](chain(BODY, last))
 
 
