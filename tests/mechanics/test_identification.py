@@ -362,17 +362,14 @@ def test_fifty_honest_records_are_not_doubted():
     """Random arms with friction and motors, motions, noise of torques from none to a third, of positions to 1e-5."""
     rng, t = np.random.default_rng(0), 0.01 * np.arange(600)
     for k in range(5):
-        model = with_drives(planar((0.0, -9.81, 0.0)), k)
-        arm = Arm(model)
+        n = 1 + (k == 0)
+        model = with_drives(planar((0.0, -9.81, 0.0), n), k)
+        arm, rows = Arm(model), regressor_of_rows(model)
         for _ in range(10):
-            parts = (
-                rng.uniform(0.2, 0.6, (2, 4)),
-                2.0 * np.pi * rng.uniform(0.1, 0.8, (2, 4)),
-                rng.uniform(0, 6, (2, 4)),
-            )
-            a, w, p = (part[..., None] for part in parts)
+            spans = ((0.2, 0.6), (0.6, 5.0), (0.0, 6.0))  # rad, rad/s, rad
+            a, w, p = (rng.uniform(*span, (n, 4, 1)) for span in spans)
             q, qd = (a * np.sin(w * t + p)).sum(1).T, (a * w * np.cos(w * t + p)).sum(1).T
-            tau = regressor_of_rows(model)(q, qd, (-a * w * w * np.sin(w * t + p)).sum(1).T) @ parameters(model)
+            tau = rows(q, qd, (-a * w * w * np.sin(w * t + p)).sum(1).T) @ parameters(model)
             noise = rng.uniform(0.0, 0.3) * np.sqrt(np.mean(tau**2, 0)) * rng.standard_normal(tau.shape)
             measured = q + rng.uniform(0.0, 1e-5) * rng.standard_normal(q.shape)
             assert identify(arm, t, measured, tau + noise, cutoff=8.0).doubts == ()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from decimal import Decimal, InvalidOperation
 from typing import Literal
@@ -10,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from holonom.arrays import Array
-from holonom.errors import ModelError, ModelWarning
+from holonom.errors import ModelError
 from holonom.model.arm import Body
 from holonom.model.urdf.check import Check
 from holonom.model.urdf.elements import Element, placed
@@ -52,21 +51,19 @@ def check_inertias(
     reasons = []
     for link in links:
         if link.body is None:
-            problem, at, counts = link.problem, None, True
+            problem, counts = link.problem, True
         else:
             what, counts = _impossible(link, link.body, link.name in moving, sizes.get(link.name, 0.0))
             at = _where(link.element, what)
             advice = "correct it, or read it as it is with check_inertia=False"
             problem = what and placed(at, f"link {link.name!r} has {what}; {advice}")
-        if not problem or (allow is False and at is not None):
+        allowed = allow is not True and link.body is not None
+        if not problem or (allowed and allow is False):
             continue
-        if allow == "warn" and at is not None:
-            warnings.warn(problem, ModelWarning, stacklevel=5)
-            continue
-        if check.strict:
+        if check.strict and not allowed:
             raise ModelError(problem)
         check.remark(problem)
-        if counts and link.name in moving:
+        if counts and not allowed and link.name in moving:
             reasons.append(problem)
     if not reasons:
         return ""
