@@ -185,6 +185,13 @@ def test_an_arm_turns_back_within_its_torques(puma: Arm) -> None:
     assert both.duration == pytest.approx(sum(parts), abs=0.01)
 
 
+def test_a_motion_of_more_samples_than_can_be_held_is_refused() -> None:
+    with pytest.raises(
+        MotionError, match=r"lasts 1.001e\+06 s, more than 20000000 samples of 0.001 s; give a longer dt="
+    ):
+        retime(straight([0.0], [1.0]), limits_of(1, speed=1e-6, acceleration=1.0))
+
+
 def test_a_path_outside_the_limits_names_joint_and_place() -> None:
     with pytest.raises(MotionError, match=r"at 60\.\d % .* joint 2 is outside its limits -10 to 10"):
         retime(straight([0.0, 4.0], [0.0, 14.0]), limits_of(2))
@@ -209,6 +216,9 @@ def test_spline_points() -> None:
             joint_spline([[0.0], [1.0]], s=wrong)
     with pytest.raises(ShapeError, match="no slope can be that steep"):
         joint_spline([[0.0], [1.0]], s=[0.0, 1e-320])
+    for uneven in ([[0.0], [1e100], [1e101]], [[0.0], [1e-100], [1.0]]):
+        with pytest.raises(ShapeError, match="too uneven for a spline of degree 5"):
+            joint_spline(uneven, degree=5)
     with pytest.raises(OutOfLimits, match="degree 4"):
         joint_spline([[0.0], [1.0]], degree=4)
 

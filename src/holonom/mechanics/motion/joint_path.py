@@ -64,7 +64,14 @@ def joint_spline(points: ArrayLike, *, degree: int = 3, s: ArrayLike | None = No
         path: JointPath = CubicSpline(at, q, bc_type="natural")
         return path
     free = [(3, np.zeros(q.shape[1])), (4, np.zeros(q.shape[1]))]
-    spline = make_interp_spline(at, q, k=5, bc_type=(free, free))
+    try:
+        with np.errstate(all="ignore"):
+            spline = make_interp_spline(at, q, k=5, bc_type=(free, free))
+    except (np.linalg.LinAlgError, ValueError):
+        raise ShapeError(
+            f"s of the points goes in steps from {np.diff(at).min():g} to {np.diff(at).max():g}, too uneven for a "
+            "spline of degree 5; give points that are more alike, or degree=3"
+        ) from None
     quintic: JointPath = PPoly([spline(at[:-1], m) / factorial(m) for m in range(5, -1, -1)], at)
     return quintic
 

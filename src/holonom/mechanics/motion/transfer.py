@@ -12,13 +12,12 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, real_array
 from holonom.errors import InputError, MotionError, OutOfLimits, ShapeError
-from holonom.mechanics.motion.trajectory import JointLimits, Trajectory, check_inside, joint_vector
+from holonom.mechanics.motion.trajectory import JointLimits, Trajectory, check_count, check_inside, joint_vector
 
 __all__ = ["plan_transfer"]
 
 LONG = 100.0
 """s: Ruckig's tolerances are absolute and its durations end at 7600, so longer motions are given in another unit."""
-MOST_SAMPLES = 20_000_000
 
 State = Sequence[ArrayLike]
 
@@ -62,10 +61,7 @@ def plan_transfer(
     jerks = _jerks(jerk, n)
     _check_goal(last, limits, jerks)
     pieces, duration = _solve(ruckig, first, last, limits, jerks, dt)
-    if duration / dt > MOST_SAMPLES:
-        raise MotionError(
-            f"the motion lasts {duration:.6g} s, more than {MOST_SAMPLES} samples of {dt:g} s; give a longer dt="
-        )
+    check_count(duration, dt)
     times = np.minimum(dt * np.arange(round(duration / dt) + 1), duration)
     q, qd, qdd = _sampled(pieces, times)
     q[0], q[-1] = first[0], last[0]
@@ -159,7 +155,7 @@ def _rate(first: list[Array], last: list[Array], limits: JointLimits) -> float:
     speed = limits.speed + np.abs(first[1]) + np.abs(last[1])
     with np.errstate(over="ignore"):
         longest = float(np.max(np.abs(last[0] - first[0]) / limits.speed + speed / limits.acceleration))
-    return 2.0 ** -ceil(np.log2(longest / LONG)) if LONG < longest < np.inf else 1.0
+    return 2.0 ** -min(ceil(np.log2(longest / LONG)), 64) if LONG < longest < np.inf else 1.0
 
 
 def _scaled(parts: list[Array], units: list[float]) -> list[list[float]]:
