@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from holonom.model.arm import JointLimits
 from holonom.model.joint_kinds import JOINT_KINDS, kind_of
+from holonom.model.limits import JointLimits
 from holonom.model.urdf.check import Check
 from holonom.model.urdf.elements import Element
 

@@ -10,8 +10,9 @@ import numpy as np
 
 from holonom.arrays import Array
 from holonom.errors import ModelError
-from holonom.model.arm import Body, Friction, JointLimits
+from holonom.model.arm import Body, Friction
 from holonom.model.joint_kinds import JOINT_KINDS, kind_of
+from holonom.model.limits import JointLimits
 from holonom.model.urdf.check import Check
 from holonom.model.urdf.elements import Element, fault
 from holonom.model.urdf.limits import read_limits
