@@ -107,7 +107,9 @@ def build_arm_job(
         hold=robot.hold or 0.0,
         steady=bool(robot.steady_tool),
     )
-    return ArmBuild(job, tuple(f"{called}: {note}" for note in (*notes, *more, *slowed)), tuple(unreachable))
+    return ArmBuild(
+        job, tuple(f"{called}: {note}" for note in (*arm.model.notes, *notes, *more, *slowed)), tuple(unreachable)
+    )
 
 
 def _standing(robot: Robot, mount: Mount | None) -> Arm:
@@ -207,7 +209,10 @@ def _driven_as_stated(arm: Arm, home: Array) -> tuple[Arm, str, tuple[str, ...]]
 
 def _check_inertia(arm: Arm) -> None:
     if arm.model.bodies is None:
-        raise ModelError(f'arm {arm.model.name!r} states no inertia, so its motors cannot be simulated; use "ideal"')
+        why = f": {arm.model.no_inertia}" if arm.model.no_inertia else ""
+        raise ModelError(
+            f'arm {arm.model.name!r} states no inertia, so its motors cannot be simulated; use "ideal"{why}'
+        )
 
 
 def _with_motors(arm: Arm, tables: tuple[JointDrive, ...]) -> Arm:
