@@ -15,11 +15,13 @@ from holonom.model import outside
 from holonom.model.joint_values import looks_like_degrees, written
 
 __all__ = [
+    "MOST_SAMPLES",
     "STILL",
     "JointLimits",
     "Rows",
     "Table",
     "Trajectory",
+    "check_count",
     "check_inside",
     "joined",
     "joint_vector",
@@ -30,7 +32,7 @@ __all__ = [
 
 
 STILL = 1e-12  # shorter motions (rad, m) are none
-_MOST = 10_000_000  # samples that are made at once
+MOST_SAMPLES = 20_000_000  # of a trajectory that is held at once
 
 
 class JointLimits(Protocol):
@@ -213,9 +215,9 @@ class Trajectory:
         return self.rows.take(first, last)
 
     def _whole(self) -> Array:
-        if self.count > _MOST:
+        if self.count > MOST_SAMPLES:
             raise OutOfLimits(
-                f"the motion lasts {self.duration:.6g} s and has {self.count:.6g} samples; up to {_MOST:.0e} are given "
+                f"the motion lasts {self.duration:.6g} s and has {self.count:.6g} samples; up to {MOST_SAMPLES} are given "
                 "at once: use take(first, last)"
             )
         return self.take(0, self.count)
@@ -269,6 +271,19 @@ def limits_of(limits: JointLimits, j: int) -> str:
     if not limits.turns[j]:
         return f"its limits are {low:.6g} to {high:.6g} m"
     return f"its limits are {low:.6g} to {high:.6g} rad ({math.degrees(low):.4g} to {math.degrees(high):.4g} deg)"
+
+
+def check_count(duration: float, dt: float) -> None:
+    """Refuse a motion of more samples than can be held, before they are made.
+
+    Raises
+    ------
+    MotionError
+    """
+    if not duration / dt <= MOST_SAMPLES:
+        raise MotionError(
+            f"the motion lasts {duration:.6g} s, more than {MOST_SAMPLES} samples of {dt:g} s; give a longer dt="
+        )
 
 
 def remainder(current: Trajectory, consumed: int) -> Trajectory:
