@@ -217,8 +217,8 @@ class Trajectory:
     def _whole(self) -> Array:
         if self.count > MOST_SAMPLES:
             raise OutOfLimits(
-                f"the motion lasts {self.duration:.6g} s and has {self.count:.6g} samples; up to {MOST_SAMPLES} are given "
-                "at once: use take(first, last)"
+                f"the motion lasts {self.duration:.6g} s and has {self.count:.6g} samples; up to {MOST_SAMPLES} are "
+                "given at once: use take(first, last)"
             )
         return self.take(0, self.count)
 
