@@ -8,6 +8,7 @@ import dataclasses
 import numpy as np
 import pytest
 from closed_form_arms import apart, fk, form_of, miss, solve
+from peers import eaik_robot
 from scipy.spatial.transform import Rotation
 
 from holonom.errors import ShapeError
@@ -185,3 +186,29 @@ def test_a_calibrated_arm_has_all_branches_of_the_nominal_one(name):
 def test_an_arm_is_calibrated_and_no_other_arm():
     assert form_of(calibrated("ur5e", 1, rotation=1e-5, shift=1e-6).model).chain.departure < 1e-3
     assert closed_form(calibrated("ur5e", 1, rotation=0.1, shift=0.05).model) is None
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize(
+    "name",
+    ["2 || 3 || 4, skew wrist", "five, 4 meets 5", "five, 2 || 3 || 4", "five, 1 || 2 || 3", "five, 1, 2, 3 meet"],
+)
+def test_the_same_solutions_as_eaik(name):
+    """EAIK (Ostermeier, Külz & Althoff 2024) solves these families too: what it finds is among our branches.
+
+    Of random arms with a skew wrist it finds no solution, so it says nothing about them.
+    """
+    eaik = pytest.importorskip("eaik.IK_HP", reason="EAIK is not installed (extra 'oracle')")
+    model = random_axes(AXES[name], 1)
+    peer, R_home = eaik_robot(eaik, model)
+    rng, compared = RNG(15), 0
+    for _ in range(15):
+        T = fk(model, rng.uniform(-3.0, 3.0, len(model.joints)))
+        asked = T.copy()
+        asked[:3, :3] = T[:3, :3] @ R_home.T
+        theirs = [q for q in peer.IK(asked).Q if miss(model, q, T) < 1e-6]
+        q, status = solve(model, T)
+        ours = q[status != IkStatus.UNREACHABLE]
+        assert all(apart(model, ours, row).min() < 1e-5 for row in theirs)
+        compared += len(theirs)
+    assert compared >= 10
