@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.arrays import REVOLUTION, real_array
+from holonom.arrays import REVOLUTION, real_array, too_large
 from holonom.errors import InputError, NotFinite, OutOfLimits, ShapeError
 from holonom.trace.call.threads import check_threads
 from holonom.trace.line.columns import Columns, columns_of
@@ -346,9 +346,9 @@ class Kernel:
             if far.size:
                 row = far[0, 0]
                 slot = int(np.argmax(np.abs(a[row])))
-                why = "whole turns can no longer be told apart" if f.bound == REVOLUTION else "products of it overflow"
                 raise OutOfLimits(
-                    f"{f.name}[{slot}] is {a[row, slot]:g}{_place(row, lead)}: beyond {f.bound:g} {why}; give less"
+                    f"{f.name}[{slot}] is {a[row, slot]:g}{_place(row, lead)}: beyond {f.bound:g} "
+                    f"{too_large(f.bound)}; give less"
                 )
 
     def _name_result(self, results: Sequence[Array], lead: tuple[int, ...]) -> None:
