@@ -63,7 +63,8 @@ def _forward(model: ArmModel, options: Options) -> Kernel:
         return found[:6], found[6:]
 
     inputs = {"q": n, "qd": n, "tau": n, "twist": 6, "wrench": 6, "minus_gravity": 3}
-    return compile_here(model, options, equation, inputs, {"acceleration": 6, "qdd": n}, name="floating_forward")
+    outputs = {"acceleration": 6, "qdd": n}
+    return compile_here(model, options, equation, inputs, outputs, name="floating_forward", checked=True)
 
 
 def _mass_matrix(model: ArmModel, options: Options) -> Kernel:

@@ -106,7 +106,8 @@ def _dynamics(verb: str, equation: Callable[..., list[Number]], given: str, want
             return equation(here.model, here.bodies, q, qd, x, friction=friction, wrench_tool=load)
 
         inputs = {"q": n, "qd": n, given: n} | ({"wrench": 6} if frame else {})
-        return compile_here(model, options, traced, inputs, {wanted: n}, name=verb)
+        checked = verb in BY_INERTIA  # stretched out, an arm of point masses has a singular inertia
+        return compile_here(model, options, traced, inputs, {wanted: n}, name=verb, checked=checked)
 
     return build
 
