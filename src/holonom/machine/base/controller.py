@@ -23,8 +23,8 @@ from holonom.machine.base.wheel_kernels import share_force
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive, base_mass, load_shares
 from holonom.mobile.drive.coupling import Coupling
-from holonom.mobile.drive.slip import SlipSettings, slip_params
-from holonom.mobile.drive.slip_kernels import BOUND, SlipParams
+from holonom.mobile.drive.slip import SlipSettings, detectable, slip_params
+from holonom.mobile.drive.slip_kernels import BOUND, NO_SLIP, UNDETECTABLE, SlipParams
 from holonom.trace.call.records import aligned_records, side_by_side
 from holonom.trace.code.simd import WIDTH
 
@@ -93,6 +93,7 @@ class BaseController:
         for name in ("slack", "angular_slack", "held_slack", "held_angular_slack"):
             slip[name] = math.inf
         self.state["rate"] = self.state["goal"] = 1.0
+        self.state["status"] = UNDETECTABLE if settings.slip is not None and not self.params.detect else NO_SLIP
         self.hold()
 
     def place(self, pose: ArrayLike, twist: ArrayLike = (0.0, 0.0, 0.0), *, signals: WheelSignals) -> None:
@@ -209,7 +210,7 @@ def _params(
     coupling = Coupling(base.velocity_coupling, base.radius, base.alpha)
     inverse = np.linalg.pinv(coupling.velocity)
     sideways = bool(np.linalg.matrix_rank(rows) == 3)
-    slip = settings.slip if sideways else None  # without redundancy nothing contradicts a wheel
+    slip = settings.slip if detectable(coupling) else None  # without redundancy nothing contradicts a wheel
     if isinstance(slip, str):
         slip = slip_settings(settings.sensors, drive, float(radii.max()))
     slipping = slip_params(coupling, slip) if slip is not None else _no_slip_params(len(rows))

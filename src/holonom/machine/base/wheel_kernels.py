@@ -33,7 +33,7 @@ from holonom.devices.kernels import (
     friction_torque,
     tracking_step,
 )
-from holonom.mobile.drive.slip_kernels import NO_SLIP
+from holonom.mobile.drive.slip_kernels import AMBIGUOUS, SLIP
 from holonom.trace.code.compiled import select
 from holonom.trace.code.loops import loop
 from holonom.trace.code.simd import WIDTH, largest, packed
@@ -83,7 +83,8 @@ def watch_motors(params: WatchParams, wheels: Records, states: Records, m: int, 
         wheel, own, lane = wheels[i // WIDTH], states[i // WIDTH], i % WIDTH
         if own.lost[lane] == WORKS:
             reference = wheel.gear.ratio[lane] * own.rim_reference[lane] / wheel.radius[lane]
-            explained = base.status != NO_SLIP and base.flagged != 1 << i
+            slips = base.status == SLIP or base.status == AMBIGUOUS
+            explained = slips and base.flagged != 1 << i
             before = Suspicion(own.open[lane], own.stuck[lane])
             after = watch_step(
                 params, before, own.measured_current[lane], own.modelled_current[lane], own.seen_speed[lane],

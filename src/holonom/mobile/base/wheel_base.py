@@ -13,6 +13,7 @@ from holonom.arrays import Array, finite, is_finite, is_number, shown, vectors
 from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError
 from holonom.mobile.base import equations as base_equations
 from holonom.mobile.base.castors import CastorRates, castor_rates
+from holonom.mobile.base.dynamics import free_motions, inertia_over_mass, reaction
 from holonom.mobile.base.mobility import check_movable, seen_twists
 from holonom.mobile.base.refusals import beyond_steering, dragged_wheel, undetermined
 from holonom.mobile.base.wheel import KINDS, Wheel
@@ -44,7 +45,7 @@ class WheelBase:
     radius
         R, m: scales turning, as R w beside vx and vy. None: root mean square distance of the wheels from the origin.
     alpha
-        Mass distribution, inertia = alpha mass R^2: 1/2 a disc, 1 a ring.
+        Mass distribution, inertia about the centre of mass = alpha mass R^2: 1/2 a disc, 1 a ring.
     mass
         kg; None where it does not matter.
     com, com_height
@@ -322,12 +323,16 @@ class WheelBase:
 
     @property
     def force_coupling(self) -> Array:
-        """C_alpha (3, m) = diag(1, 1, 1/alpha) D^T: (ax, ay, R wd) = C_alpha f / mass for rim forces f, N."""
-        return np.array([1.0, 1.0, 1.0 / self.alpha])[:, None] * self.velocity_coupling.T
+        """C_alpha (3, m): (ax, ay, R wd) = C_alpha f / mass for rim forces f, N, at rest.
+
+        diag(1, 1, 1/alpha) D^T where the centre of mass lies at the origin and no wheel must not slide sideways.
+        """
+        motions = free_motions(self.sliding_matrix() * np.array([1.0, 1.0, 1.0 / self.radius]))
+        return reaction(motions, inertia_over_mass(self.radius, self.alpha, self.com)) @ self.velocity_coupling.T
 
     @property
     def velocity_coupling_inverse(self) -> Array:
-        """D^+ (3, m): (vx, vy, R w) = D^+ m for rim speeds m; without the sliding constraints (`twist` obeys those)."""
+        """D^+ (3, m): (vx, vy, R w) = D^+ m for rim speeds m; without the sliding constraints (`twist` keeps those)."""
         return np.asarray(np.linalg.pinv(self.velocity_coupling, rcond=1e-10), dtype=np.float64)
 
     @property
