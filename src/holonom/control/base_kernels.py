@@ -21,6 +21,7 @@ __all__ = [
     "WORKS",
     "EstimateParams",
     "KeepingParams",
+    "Body",
     "Planar",
     "Suspicion",
     "TractionParams",
@@ -39,6 +40,7 @@ __all__ = [
     "watch_step",
     "watch_verdict",
     "within_slip",
+    "wrench_of",
 ]
 
 
@@ -54,6 +56,15 @@ class Planar(NamedTuple):
     x: float
     y: float
     turn: float
+
+
+class Body(NamedTuple):
+    """A rigid body: mass, kg, inertia about its centre of mass, kg m^2, and where that is in base_link, m."""
+
+    mass: float
+    inertia: float
+    com_x: float
+    com_y: float
 
 
 class KeepingParams(NamedTuple):
@@ -184,7 +195,7 @@ def line_keeping_step(
         0.0,
         before.turn + _clip(rate - before.turn, dt * params.max_turn_acceleration),
     )
-    return command, Planar(reference[6], 0.0, reference[8]), Planar(0.0, 0.0, 0.0)
+    return command, Planar(reference[6], reference[7], reference[8]), Planar(0.0, 0.0, 0.0)
 
 
 @loop(error_model="numpy")
@@ -222,24 +233,36 @@ def allocation(rows: Array, weights: Array, out: Array) -> None:
 
 
 @loop(error_model="numpy")
-def force_part(share: Array, wanted: Planar, limit: float) -> float:
-    """Part (0 to 1) of a wanted force (N, N, N m) that no wheel needs more than `limit` (N) for."""
-    worst = limit
+def force_part(share: Array, wanted: Planar, limits: Array) -> float:
+    """Part (0 to 1) of a wanted force (N, N, N m) that no wheel needs more than its limit (m,), N, for."""
+    worst = 1.0
     for i in range(share.shape[0]):
-        worst = max(worst, abs(ground_speed(share, i, wanted)))
-    return limit / worst
+        worst = max(worst, abs(ground_speed(share, i, wanted)) / limits[i])
+    return 1.0 / worst
 
 
 @loop(error_model="numpy")
-def feasible_rate(share: Array, reference: Array, first: int, mass: float, inertia: float, limit: float) -> float:
-    """Part (0 to 1) of its speed at which the rest of a reference (N, 9) can be driven with forces up to `limit` (N).
+def wrench_of(body: Body, acceleration: Planar, turn_rate: float) -> Planar:
+    """Force and torque about base_link (N, N, N m) that its acceleration (m/s^2, rad/s^2) takes, along its axes.
+
+    Newton and Euler, about the centre of mass c: `F = M (a + wd x c - w^2 c)`, `torque = I wd + c x F`.
+    """
+    wd, square = acceleration.turn, turn_rate * turn_rate
+    fx = body.mass * (acceleration.x - wd * body.com_y - square * body.com_x)
+    fy = body.mass * (acceleration.y + wd * body.com_x - square * body.com_y)
+    return Planar(fx, fy, body.inertia * wd + body.com_x * fy - body.com_y * fx)
+
+
+@loop(error_model="numpy")
+def feasible_rate(share: Array, reference: Array, first: int, body: Body, limits: Array) -> float:
+    """Part (0 to 1) of its speed at which the rest of a reference (N, 9) can be driven with forces within limits (m,).
 
     Driven at a rate r, a path needs r^2 of its accelerations.
     """
     part = 1.0
     for k in range(first, reference.shape[0]):
         a = reference[k]
-        part = min(part, force_part(share, Planar(mass * a[6], mass * a[7], inertia * a[8]), limit))
+        part = min(part, force_part(share, wrench_of(body, Planar(a[6], a[7], a[8]), a[5]), limits))
     return math.sqrt(part)
 
 

@@ -127,8 +127,8 @@ class BaseRig:
     @property
     def truth(self) -> BaseTruthView:
         """What sensors of the cell may see of it."""
-        state, plant = self.loop.plant.state[0], self.loop.plant
-        return BaseTruthView(plant.time, plant.pose, plant.twist, np.array([state["ax"], state["ay"]]))
+        plant = self.loop.plant
+        return BaseTruthView(plant.time, plant.pose, plant.twist, plant.acceleration)
 
     def frame(self, name: str) -> Array:
         """Where one of its frames truly is, T (4, 4) in the world."""
@@ -162,13 +162,15 @@ class BaseRig:
         Raises
         ------
         DriveFault
-            A jammed wheel stopped it, or it gets too slow for its path.
+            A jammed wheel stopped it, it tips over, gets too slow for its path, or did not keep it.
         """
         left = MS * ticks
         while left > 0:
             first, done = int(self.loop.plant.state["tick"][0]), self._drive(left)
             left -= done
             self._say(first, done)
+            if self.loop.plant.tipped is not None:
+                raise DriveFault(self._tipped())
             if self._running_path and self.loop.controller.ending != RUNNING:
                 self._path_ended()
                 if self._alone:
@@ -219,6 +221,16 @@ class BaseRig:
             self._end("path driven")
         elif not self._stopping:
             raise DriveFault(self._cut("stopped with a jammed wheel"))
+
+    def _tipped(self) -> str:
+        """What tips it, in words."""
+        plant, (ax, ay) = self.loop.plant, (float(self.loop.plant.state[name][0]) for name in ("ax", "ay"))
+        height, time = 1e3 * self.job.base.com_height, plant.tipped or 0.0
+        where = f" after {100.0 * (self.driven or 0.0):.0f} % of the path" if self._part is not None else ""
+        return (
+            f"tips over at {time:.2f} s{where}: {np.hypot(ax, ay):.1f} m/s2 are more than its wheels and a centre of "
+            f"mass at {height:g} mm stand; accelerate and turn less, build lower, or move the centre of mass inwards"
+        )
 
     def _cut(self, what: str, why: str = "") -> str:
         return f"{what} after {100.0 * (self.driven or 0.0):.0f} % of the path{why}"

@@ -22,6 +22,7 @@ from holonom.control.base_kernels import (
     pose_step,
     reference_at,
     wanted_acceleration,
+    wrench_of,
 )
 from holonom.control.shaping_kernels import drivable_twist, shaping_step
 from holonom.devices.drive_signals import WheelSignals
@@ -114,7 +115,8 @@ def _sense(params: BaseParams, signals: WheelSignals, wheels: Records, states: R
         own = packed(states[i])
         sense(wheels[i], states[i], signals.counters, load(signals.currents, i), i)
         store(work.rims, i, own.rim)
-        store(work.gripping, i, own.rim - creep(params.creep, load(params.grip_per_ampere, i) * own.measured_current))
+        used = load(params.grip_per_ampere, i) * own.measured_current
+        store(work.gripping, i, own.rim - creep(load(params.creep, i), used))
     for i in range(len(params.rows), len(params.estimate_rows)):
         work.rims[i] = 0.0
 
@@ -143,13 +145,12 @@ def _react(params: BaseParams, path: Array, base: Any, wheels: Records, states: 
         return
     new = lost != base.dead
     base.named, base.dead = base.flagged, lost
-    base.jams = set_weights(params.control_traction, states, base.named, work.trust, work.weights)
-    share_force(params.rows, work.weights, work.share, states)
+    base.jams = set_weights(params.control_traction, params.bearing, states, base.named, work.trust, work.weights)
+    share_force(params.pull_rows, params.pull, work.weights, work.share, states)
     if new and base.jams != 0:
         base.goal = 0.0
     elif new and base.mode == PATH:
-        limit = params.reserve * params.max_force
-        rest = feasible_rate(work.share, path, int(base.phase), params.mass, params.inertia, limit)
+        rest = feasible_rate(work.share, path, int(base.phase), params.body, params.path_force)
         base.goal = min(base.goal, rest)
 
 
@@ -218,8 +219,8 @@ def _drive(
     wheels: Records, states: Records,
 ) -> None:  # fmt: skip
     """Rim speeds and forces for a twist and an acceleration of the base; voltages from them."""
-    force = Planar(params.mass * wanted.x, params.mass * wanted.y, params.inertia * wanted.turn)
-    part = driven_part(states, force, params.max_force)
+    force = wrench_of(params.body, wanted, twist.turn)
+    part = driven_part(wheels, states, force)
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])
         own.rim_reference = rim_speed(wheel, command)

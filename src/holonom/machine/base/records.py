@@ -19,6 +19,8 @@ KNOWN_WHEEL = np.dtype(
         ("rim_y", F),
         ("rim_turn", F),
         ("radius", F),
+        ("roller_cosine", F),  # of the angle at which its rollers push; 1 of other wheels
+        ("max_force", F),  # N that it is asked for, along its rim
         ("inertia", F),  # wheel and geared rotor, kg m2
         ("torque_constant", F),  # N m/A
         ("armature", layout_of(ArmatureParams)),

@@ -100,22 +100,28 @@ def watch_motors(params: WatchParams, wheels: Records, states: Records, m: int, 
 
 
 @loop(error_model="numpy", forceinline=True)
-def set_weights(traction: bool, states: Records, named: int, trust: Array, weights: Array) -> int:
+def set_weights(traction: bool, bearing: Array, states: Records, named: int, trust: Array, weights: Array) -> int:
     """Which wheels are believed (one without current turns freely) and asked for force; set of those that jam."""
     jams = 0
     for i in range(len(weights)):
         slips, lost = (named >> i) & 1 == 1, states[i // WIDTH].lost[i % WIDTH]
         jams |= (1 << i) if lost == JAMMED else 0
         trust[i] = 0.0 if slips or lost == JAMMED else 1.0
-        weights[i] = 0.0 if lost != WORKS else SLIPPING_WEIGHT if slips and traction else 1.0
+        weights[i] = 0.0 if lost != WORKS else bearing[i] * (SLIPPING_WEIGHT if slips and traction else 1.0)
     return jams
 
 
 @loop(error_model="numpy", forceinline=True)
-def share_force(rows: Array, weights: Array, share: Array, states: Records) -> None:
-    """Share the force on the base among the wheels, in `share` (m, 3) and in their states."""
+def share_force(rows: Array, pull: Array, weights: Array, share: Array, states: Records) -> None:
+    """Share the force on the base among the wheels, in `share` (m, 3) and in their states.
+
+    `rows` (m, 3) are rims per motion that wheels allow, `pull` (3, 3) takes a force on base_link to such motions.
+    """
     allocation(rows, weights, share)
     for i in range(len(share)):
+        a, b, c = share[i, 0], share[i, 1], share[i, 2]
+        for j in range(3):
+            share[i, j] = a * pull[0, j] + b * pull[1, j] + c * pull[2, j]
         own, lane = states[i // WIDTH], i % WIDTH
         own.force_x[lane], own.force_y[lane], own.force_turn[lane] = share[i, 0], share[i, 1], share[i, 2]
 
@@ -133,19 +139,23 @@ def rim_speed(wheel: Any, twist: Planar) -> Any:
 
 
 @loop(error_model="numpy", forceinline=True)
-def driven_part(states: Records, force: Planar, limit: float) -> float:
-    """Part (0 to 1) of a wanted force (N, N, N m) that no wheel needs more than `limit` (N) for, by its shares."""
-    worst = limit
+def driven_part(wheels: Records, states: Records, force: Planar) -> float:
+    """Part (0 to 1) of a wanted force (N, N, N m) that no wheel needs more than its largest one for, by its shares."""
+    worst = 1.0
     for i in range(len(states)):
-        worst = max(worst, largest(abs(rim_force(packed(states[i]), force))))
-    return limit / worst
+        worst = max(worst, largest(abs(rim_force(packed(states[i]), force)) / packed(wheels[i]).max_force))
+    return 1.0 / worst
 
 
 @loop(error_model="numpy", forceinline=True)
 def control_traction(params: TractionParams, wheel: Any, own: Any, ground: float, force: float) -> float:
-    """Hold the commanded rim speed near the floor's; return the drive force (N) that is left."""
-    own.cut = traction_step(params, own.cut, own.rim - ground, own.current_reference * wheel.gear.ratio)
-    own.rim_reference = within_slip(params, own.rim_reference, ground)
+    """Hold the commanded rim speed near the floor's; return the drive force (N) that is left.
+
+    A Swedish wheel slips along its rollers' axes, by the cosine of their angle less than its rim.
+    """
+    part = wheel.roller_cosine
+    own.cut = traction_step(params, own.cut, part * (own.rim - ground), own.current_reference * wheel.gear.ratio)
+    own.rim_reference = within_slip(params, part * own.rim_reference, part * ground) / part
     return own.cut * force
 
 
@@ -165,7 +175,7 @@ def wheel_voltage(wheel: Any, own: Any, force: float, acceleration: float) -> No
 
 @loop(error_model="numpy", forceinline=True)
 def creep(full: float, used: float) -> float:
-    """Slip (m/s) of a gripping wheel that uses a part of its grip; half as much again with all of it.
+    """Slip (m/s) of the rim of a gripping wheel that uses a part of its grip; half as much again with all of it.
 
     Nearly the magic formula's, which rises without bound towards the peak.
     """

@@ -14,6 +14,7 @@ from holonom.app.cell.model.places import placement_pose
 from holonom.app.cell.model.robot import Robot
 from holonom.app.cell.model.tasks import FAULTS, PathTable, StartTable
 from holonom.app.job import BaseJob, Task
+from holonom.app.report.findings.base_outline import margin_of
 from holonom.arrays import Array
 from holonom.control.shaping import ShapingSettings
 from holonom.devices import DcMotor, Encoder, Friction, Gear
@@ -82,6 +83,7 @@ def build_base_job(cell: Cell, number: int, path: Path, sensors: BaseSensors) ->
         raise CellError(f"{place_in(path, *at, key)}: {problem}") from None
     if task.path is not None:
         notes += _check_path(robot, task, path, at)
+    _check_stand(base, path, at)
     start = _start(robot, task.path, path, at)
     why = unsimulated(base)
     if why is not None:
@@ -212,6 +214,17 @@ def _check_path(robot: Robot, task: Task, path: Path, at: tuple[str | int, ...])
             raise CellError(f"{place_in(path, *at, 'path')}: {problem}") from None
         return (*notes, f"it cannot drive its path: {problem}")
     return notes
+
+
+def _check_stand(base: WheelBase, path: Path, at: tuple[str | int, ...]) -> None:
+    """Refuse a base that tips at rest; one whose wheels span no area is held upright."""
+    margin = margin_of(base)
+    if margin is not None and margin < 0.0:
+        x, y = (1e3 * float(value) for value in base.com)
+        raise CellError(
+            f"{place_in(path, *at, 'model', 'com')}: ({x:g}, {y:g}) mm came; the base tips over at rest: its centre of "
+            "mass must lie between its wheels"
+        )
 
 
 def _start(robot: Robot, path: ReferencePath | None, file: Path, at: tuple[str | int, ...]) -> Array:
