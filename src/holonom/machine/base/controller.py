@@ -19,7 +19,7 @@ from holonom.errors import ShapeError
 from holonom.machine.base.kernels import HOLD, PATH, RUNNING, VELOCITY, control_step
 from holonom.machine.base.params import BaseParams, BaseTask, Work
 from holonom.machine.base.records import CONTROL_STATE, KNOWN_WHEEL, SEEN_WHEEL
-from holonom.machine.base.settings import BaseSettings, Creep, slip_settings
+from holonom.machine.base.settings import KEEP, BaseSettings, Creep, slip_settings
 from holonom.machine.base.wheel_kernels import share_force
 from holonom.mobile.base.dynamics import inertia_over_mass
 from holonom.mobile.base.wheel import Wheel
@@ -39,6 +39,8 @@ TICK = 1e-3
 RESERVE = 0.85  # part of the largest force that a slowed-down path may need; the rest is for errors
 RATE_CHANGE = 1.0  # 1/s, how fast a path is slowed down
 COULOMB_SMOOTHING = 2.0  # rad/s of the motor, below which friction that is fed forward goes over into its opposite
+FIRST = {"both": (1.0, 1.0, 1.0), "path": (1.0, 1.0, 0.03), "heading": (0.03, 0.03, 1.0)}
+"""Weights of force and torque / R, where lost motors cannot make both."""
 LEAST_LOAD = 1e-3  # part of the weight below which a wheel carries nothing to speak of
 NO_PATH = np.zeros((0, 9))
 
@@ -226,6 +228,9 @@ def _params(
     sliding = base.sliding_matrix()
     drivable = base.feasible(np.eye(3)).T
     drivable[np.abs(drivable) < 1e-12] = 0.0
+    first = np.array(FIRST[settings.keep]) * [1.0, 1.0, 1.0 if settings.keep == "both" else 1.0 / base.radius]
+    scale = np.array([1.0, 1.0, base.radius])
+    momentum = mass * inertia_over_mass(base.radius, base.alpha, base.com) * np.outer(scale, scale)
     return BaseParams(
         keeping=settings.keeping.params(TICK),
         shaping=settings.shaping.params(TICK),
@@ -242,8 +247,10 @@ def _params(
         grip_per_ampere=np.append(force_per_ampere / (cosines * bearing * creep.grip), np.zeros(-len(rows) % WIDTH)),
         creep=np.append(creep.slope * creep.grip / cosines, np.zeros(-len(rows) % WIDTH)),
         body=Body(mass, base.alpha * mass * base.radius**2, *base.com.tolist()),
-        pull_rows=np.ascontiguousarray(rows @ drivable),
-        pull=np.ascontiguousarray(drivable.T),
+        pull_rows=np.ascontiguousarray(rows @ drivable * first),
+        pull=np.ascontiguousarray(first[:, None] * drivable.T),
+        momentum=np.ascontiguousarray(momentum),
+        keep=KEEP.index(settings.keep),
         max_force=most,
         bearing=(bearing / bearing.mean()) ** 2,
         max_rim=motor.no_load_speed / abs(gear.ratio) * float(radii.min()),

@@ -36,6 +36,7 @@ from holonom.machine.base.wheel_kernels import (
     sense,
     set_weights,
     share_force,
+    unseen_twist,
     watch_motors,
     wheel_voltage,
 )
@@ -43,12 +44,14 @@ from holonom.mobile.drive.slip_kernels import SlipState, slip_step
 from holonom.trace.code.loops import loop
 from holonom.trace.code.simd import WIDTH, load, packed, store
 
-__all__ = ["DONE", "HOLD", "PATH", "RUNNING", "STOPPED", "VELOCITY", "control_step", "path_ending", "say"]
+__all__ = ["DONE", "HOLD", "KEEP_BOTH", "KEEP_HEADING", "KEEP_PATH", "PATH", "RUNNING", "STOPPED", "VELOCITY", "control_step", "path_ending", "say"]
 
 PATH, VELOCITY, HOLD = 0, 1, 2
 """What a base does: it keeps a path, follows velocities, holds its pose."""
 RUNNING, DONE, STOPPED = 0, 1, 2
 """How far its path is: under way, at its end, stopped by a jammed wheel."""
+KEEP_BOTH, KEEP_PATH, KEEP_HEADING = 0, 1, 2
+"""What is kept where the motors that are left cannot hold path and heading at once."""
 STANDING = 500  # ms after which a base that had to stop is done
 Records = NDArray[np.void]
 
@@ -73,6 +76,8 @@ def control_step(
     twist = _estimate(params.estimate, params.estimate_rows, base, work)
     _refer(params, task.path, base, change, work.now)
     command, ahead = _keep(params, base, work.now)
+    if base.lame != 0 and params.keep != KEEP_BOTH:
+        command = _given_up(params, base, command, twist)
     wanted = wanted_acceleration(params.keeping, command, twist, ahead)
     if base.rate <= 0.0:  # the base had to stop: hold the wheels
         command = wanted = Planar(0.0, 0.0, 0.0)
@@ -147,6 +152,7 @@ def _react(params: BaseParams, path: Array, base: Any, wheels: Records, states: 
     base.named, base.dead = base.flagged, lost
     base.jams = set_weights(params.control_traction, params.bearing, states, base.named, work.trust, work.weights)
     share_force(params.pull_rows, params.pull, work.weights, work.share, states)
+    _lame(params, base, work)
     if new and base.jams != 0:
         base.goal = 0.0
     elif new and base.mode == PATH:
@@ -211,6 +217,36 @@ def _keep(params: BaseParams, base: Any, reference: Array) -> tuple[Planar, Plan
     base.command_vx, base.command_vy, base.command_w = command.x, command.y, command.turn
     base.integral_x, base.integral_y, base.integral_theta = grown.x, grown.y, grown.turn
     return command, ahead
+
+
+@loop(error_model="numpy", forceinline=True)
+def _lame(params: BaseParams, base: Any, work: Work) -> None:
+    """Find the twist that turns no wheel with a motor, if there is one: forces of those wheels do no work on it."""
+    base.lame = 0
+    if base.dead == 0:
+        return
+    ux, uy, uw, found = unseen_twist(params.rows, work.weights)
+    if found and params.sideways:
+        base.lame, base.unseen_x, base.unseen_y, base.unseen_turn = 1, ux, uy, uw
+
+
+@loop(error_model="numpy", forceinline=True)
+def _given_up(params: BaseParams, base: Any, command: Planar, twist: Planar) -> Planar:
+    """The command with that part of it taken as it is which the motors cannot change: of turning, or of the way.
+
+    What is left of the difference to the present twist is an acceleration that they can make: its momentum has no part
+    along the twist that turns none of their wheels.
+    """
+    x, y, turn = command.x - twist.x, command.y - twist.y, command.turn - twist.turn
+    B, (ux, uy, uw) = params.momentum, (base.unseen_x, base.unseen_y, base.unseen_turn)
+    px = B[0, 0] * ux + B[1, 0] * uy + B[2, 0] * uw
+    py = B[0, 1] * ux + B[1, 1] * uy + B[2, 1] * uw
+    pw = B[0, 2] * ux + B[1, 2] * uy + B[2, 2] * uw
+    missed = px * x + py * y + pw * turn
+    if params.keep == KEEP_PATH:
+        return Planar(command.x, command.y, command.turn - missed / pw)
+    part = missed / (px * px + py * py)
+    return Planar(command.x - part * px, command.y - part * py, command.turn)
 
 
 @loop(error_model="numpy", forceinline=True)

@@ -32,6 +32,8 @@ class BaseParams(NamedTuple):
     body: Body
     pull_rows: Array  # (m, 3) rims per motion that wheels allow, weighted by what is kept where not all can be
     pull: Array  # (3, 3) force on base_link to the same weighted motions: what wheels take up sideways is left out
+    momentum: Array  # (3, 3) momentum and angular momentum about base_link per twist
+    keep: int  # BOTH, PATH or HEADING, where lost motors leave only one of them
     max_force: Array  # (m,) N that each wheel is asked for, along its rim
     bearing: Array  # (m,) weights of the wheels in the allocation of force: square of what each carries, over the mean
     max_rim: float  # m/s that a wheel reaches

@@ -79,6 +79,10 @@ CONTROL_STATE = padded(
         ("named", I),  # those of them that estimate and allocation go by
         ("dead", I),  # motors that are lost
         ("jams", I),  # those of them that are jammed
+        ("lame", I),  # 1: the motors that are left cannot push every way
+        ("unseen_x", F),  # then the twist that turns no wheel which is left
+        ("unseen_y", F),
+        ("unseen_turn", F),
         ("steady", I),  # 1: nothing slips, and the slip detector need not be asked
         ("mode", I),
         ("ended", I),  # how the path ended: RUNNING, DONE, STOPPED

@@ -5,6 +5,7 @@ What is called `wheel` and `own` is four wheels and their states, `packed`. Whol
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -47,6 +48,7 @@ __all__ = [
     "sense",
     "set_weights",
     "share_force",
+    "unseen_twist",
     "watch_motors",
     "wheel_voltage",
 ]
@@ -124,6 +126,35 @@ def share_force(rows: Array, pull: Array, weights: Array, share: Array, states: 
             share[i, j] = a * pull[0, j] + b * pull[1, j] + c * pull[2, j]
         own, lane = states[i // WIDTH], i % WIDTH
         own.force_x[lane], own.force_y[lane], own.force_turn[lane] = share[i, 0], share[i, 1], share[i, 2]
+
+
+@loop(error_model="numpy", forceinline=True)
+def unseen_twist(rows: Array, weights: Array) -> tuple[float, float, float, bool]:
+    """Twist that turns none of the wheels that count, of length 1, and whether there is one.
+
+    A row of the adjugate of their normal matrix; w counts by the rows' own lever.
+    """
+    xx = yy = ww = xy = xw = yw = lever = 0.0
+    for i in range(rows.shape[0]):
+        lever = max(lever, abs(rows[i, 2]))
+    for i in range(rows.shape[0]):
+        if weights[i] > 0.0:
+            x, y, w = rows[i, 0], rows[i, 1], rows[i, 2] / lever
+            xx, yy, ww, xy, xw, yw = xx + x * x, yy + y * y, ww + w * w, xy + x * y, xw + x * w, yw + y * w
+    x0, y0, w0 = yy * ww - yw * yw, xw * yw - xy * ww, xy * yw - xw * yy
+    y1, w1, w2 = xx * ww - xw * xw, xy * xw - xx * yw, xx * yy - xy * xy
+    determinant, usual = xx * x0 + xy * y0 + xw * w0, (xx + yy + ww) / 3.0
+    if determinant > 1e-9 * usual * usual * usual:
+        return 0.0, 0.0, 0.0, False
+    ux, uy, uw = x0, y0, w0
+    if y1 >= x0 and y1 >= w2:
+        ux, uy, uw = y0, y1, w1
+    elif w2 >= x0 and w2 >= y1:
+        ux, uy, uw = w0, w1, w2
+    size = math.sqrt(ux * ux + uy * uy + uw * uw)
+    if size <= 1e-12 * usual * usual:  # one wheel is left, or none: no one twist
+        return 0.0, 0.0, 0.0, False
+    return ux / size, uy / size, uw / size / lever, True
 
 
 @loop(error_model="numpy", forceinline=True)

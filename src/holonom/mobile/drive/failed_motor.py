@@ -24,6 +24,7 @@ __all__ = [
     "actuation",
     "allocation",
     "feasible_twist",
+    "motors_hold_all",
     "possible_twists",
     "redistribute",
 ]
@@ -168,6 +169,19 @@ def actuation(base: Base, *, out: Wheels = ()) -> Actuation:
     C = coupling.force[:, live]
     reachable = scipy.linalg.orth(C, rcond=_RANK)
     return Actuation(reachable.shape[1], reachable, scipy.linalg.null_space(C.T, rcond=_RANK))
+
+
+def motors_hold_all(base: Base, dead: int) -> bool:
+    """Whether a base without some motors can still accelerate every way that its wheels let it move.
+
+    Parameters
+    ----------
+    dead
+        Set of driven wheels, bit i for wheel i.
+    """
+    coupling = coupling_of(base)
+    out = [k for k in range(coupling.wheels) if (dead >> k) & 1]
+    return actuation(coupling, out=out).rank == coupling.motions.shape[1]
 
 
 def possible_twists(base: Base, *, blocked: Wheels = ()) -> Array:

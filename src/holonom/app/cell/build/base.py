@@ -13,7 +13,7 @@ from holonom.app.cell.model.drives import BaseLimits, BaseParts, WheelDrive, lev
 from holonom.app.cell.model.places import placement_pose
 from holonom.app.cell.model.robot import Robot
 from holonom.app.cell.model.tasks import FAULTS, PathTable, StartTable
-from holonom.app.job import BaseJob, Task
+from holonom.app.job import BaseJob, PathTolerance, Task
 from holonom.app.report.findings.base_outline import margin_of
 from holonom.arrays import Array
 from holonom.control.shaping import ShapingSettings
@@ -30,6 +30,7 @@ __all__ = ["build_base_job", "deck_height", "refuse_unsimulated", "unsimulated"]
 
 DECK = 2.6
 """Height of a drawn deck over the radius of the largest wheel."""
+BESIDE = 0.05  # of the larger side of a path's box, that a base may be off it where the cell says nothing
 AWAY = 1e-3  # m and rad that the start of a path may lie beside the pose that a cell states
 
 
@@ -156,6 +157,7 @@ def _settings(robot: Robot, sensors: BaseSensors) -> BaseSettings:
         slip=settings.slip if parts.slip_detection else None,
         traction=settings.traction if parts.traction_control else None,
         watch=settings.watch if parts.dead_motor_compensation else None,
+        keep=robot.path.keep if robot.path is not None else settings.keep,
     )
 
 
@@ -163,11 +165,18 @@ def _task(robot: Robot) -> Task:
     start = robot.start or StartTable.model_construct()
     found = Task(start=start.time, after=start.signal, done=robot.done)
     if robot.path is not None:
-        return dataclasses.replace(found, path=_path(robot.path))
+        path = _path(robot.path)
+        return dataclasses.replace(found, path=path, tolerance=_tolerance(robot.path, path))
     if robot.velocity is not None:
         rows = np.array([[step.at, step.vx, step.vy, step.w] for step in robot.velocity])
         return dataclasses.replace(found, velocities=rows)
     return dataclasses.replace(found, hold=robot.hold if robot.hold is not None else 0.0)
+
+
+def _tolerance(table: PathTable, path: ReferencePath) -> PathTolerance:
+    """What the cell allows, else a part of the larger side of the path's box."""
+    box = float(np.ptp(path.pose[:, :2], axis=0).max())
+    return PathTolerance(table.position_tolerance or BESIDE * box, table.heading_tolerance)
 
 
 def _path(path: PathTable) -> ReferencePath:
