@@ -13,6 +13,7 @@ from holonom.arrays import Array, finite, is_finite, is_number, shown, vectors
 from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError
 from holonom.mobile.base import equations as base_equations
 from holonom.mobile.base.castors import CastorRates, castor_rates
+from holonom.mobile.base.drivable import Wedges, tightest_curve
 from holonom.mobile.base.dynamics import free_motions, inertia_over_mass, reaction
 from holonom.mobile.base.mobility import check_movable, seen_twists
 from holonom.mobile.base.refusals import beyond_steering, dragged_wheel, undetermined
@@ -225,7 +226,9 @@ class WheelBase:
     def twist(
         self, speeds: ArrayLike, steering: ArrayLike | None = None, *, out: Array | None = None, threads: int = 1
     ) -> Array:
-        """Forward model: twist (..., 3) that fits rolling and sliding constraints best, least squares in m/s.
+        """Forward model: twist (..., 3) that keeps the sliding constraints and fits the driven rims best, in m/s.
+
+        Steered wheels whose axles do not meet in one point lead where they are dragged least.
 
         Parameters
         ----------
@@ -262,15 +265,40 @@ class WheelBase:
     def feasible(self, twist: ArrayLike, steering: ArrayLike | None = None) -> Array:
         """Nearest twist (..., 3), in (vx, vy, R w), that drags no wheel.
 
-        `steering` (..., k) holds the wheels there; None lets them steer: fixed wheels are obeyed first, then steered
-        ones are turned to what is left, then what shared steering cannot follow is taken away.
+        `steering` (..., k) holds the wheels there; None lets them steer: fixed wheels are obeyed first, and limits of
+        steering (`max_steering`) kept, then steered ones are turned to what is left, then what shared steering cannot
+        follow is taken away.
         """
         twists = vectors("twist", twist, 3)
         if steering is None and self.steered:
-            fixed = [not i for i in self._is_steered]
-            twists = self._projected(twists, self.sliding_matrix()[fixed])
+            scale = np.array([1.0, 1.0, self.radius])
+            twists = (self._wedges.nearest((twists * scale).reshape(-1, 3)) / scale).reshape(twists.shape)
             steering = self.steering(twists)
         return self._projected(twists, self.sliding_matrix(steering))
+
+    @property
+    def turning_radius(self) -> float:
+        """Radius, m, of the tightest curve that the origin of base_link can drive to either side.
+
+        0 where it turns on the spot, infinite where it cannot turn.
+        """
+        return tightest_curve(self._wedges, self.radius)
+
+    @functools.cached_property
+    def _wedges(self) -> Wedges:
+        groups = zip(self.layout.groups, self._max_steering, strict=True)
+        limited = [(self.wheels[i], limit) for members, limit in groups for i in members]
+        fixed = [not i for i in self._is_steered]
+        held = self.sliding_matrix()[fixed] * np.array([1.0, 1.0, 1.0 / self.radius])
+        return Wedges(limited, self._together(held), self.radius)
+
+    def _together(self, held: Array) -> Array:
+        """The sliding rows of fixed wheels, and that a base whose wheels all steer as one does not turn."""
+        shared = [group for group in self.layout.groups if len(group) > 1]
+        lone = any(len(group) == 1 for group in self.layout.groups)
+        apart = [len({(self.wheels[i].x, self.wheels[i].y) for i in group}) > 1 for group in shared]
+        never = np.array([[0.0, 0.0, 1.0]]) if any(apart) and not lone and not len(held) else np.empty((0, 3))
+        return np.concatenate([held, never])
 
     @functools.cached_property
     def _is_steered(self) -> list[bool]:
@@ -360,10 +388,10 @@ class WheelBase:
 
     @functools.cached_property
     def _forward(self) -> Array:
-        """(m, 3): rows of wheel speeds times this are twists, by the pseudoinverse of all constraints."""
+        """(m, 3): rows of wheel speeds times this are twists, `S (D S)^+` with S the motions that drag no wheel."""
         scale = np.array([1.0, 1.0, 1.0 / self.radius])
-        rows = np.concatenate([self.rolling_matrix()[self._driven_rows], self.sliding_matrix()]) * scale
-        if np.linalg.matrix_rank(rows, tol=1e-7) < 3:
+        S = free_motions(self.sliding_matrix() * scale)
+        seen = (self.rolling_matrix()[self._driven_rows] * scale) @ S
+        if np.linalg.matrix_rank(seen, tol=1e-7) < S.shape[1]:
             raise undetermined(self)
-        pinv = np.linalg.pinv(rows)[:, : len(self.driven)]
-        return np.ascontiguousarray((scale[:, None] * pinv * self.wheel_radii).T)
+        return np.ascontiguousarray((scale[:, None] * (S @ np.linalg.pinv(seen)) * self.wheel_radii).T)

@@ -10,6 +10,7 @@ from holonom.app.job import BaseJob
 from holonom.arrays import Array
 from holonom.machine import ReferencePath
 from holonom.mobile import WheelBase, drive_limits, dynamic_margin, rim_speeds
+from holonom.mobile.base.wheel_base import DRAG
 from holonom.mobile.drive.base_drive import base_mass, rest_loads
 from holonom.mobile.drive.coupling import coupling_of
 from holonom.mobile.drive.failed_motor import motors_hold_all
@@ -36,7 +37,7 @@ def path_use(job: BaseJob) -> dict[str, Any]:
 def path_warnings(job: BaseJob, floor: Floor) -> list[str]:
     """What the path asks of motors, floor and stance that they do not have; faults that come too late."""
     if job.task.path is None:
-        return []
+        return _undrivable(job)
     return [*_asked(job, floor), *_lamed(job), *_too_late(job)]
 
 
@@ -81,6 +82,19 @@ def _forces(base: WheelBase, path: ReferencePath) -> Array:
     a = path.acceleration * [1.0, 1.0, coupling.radius] - coupling.drift(path.twist)
     shared: Array = mass * a @ (weight[:, None] * np.linalg.pinv(coupling.force * weight, rcond=1e-10)).T
     return shared
+
+
+def _undrivable(job: BaseJob) -> list[str]:
+    """Velocities that its wheels cannot follow, and what is driven instead."""
+    if job.task.velocities is None:
+        return []
+    found = []
+    for at, *asked in job.task.velocities.tolist():
+        near = job.base.feasible(asked)
+        if np.abs(near - asked).max() > DRAG:
+            shown = [", ".join(f"{x:.3g}" for x in twist) for twist in (asked, near)]
+            found.append(f"velocity at {at:g} s: its wheels cannot follow ({shown[0]}); the nearest is ({shown[1]})")
+    return found
 
 
 def _lamed(job: BaseJob) -> list[str]:
