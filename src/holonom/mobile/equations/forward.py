@@ -24,7 +24,7 @@ from holonom.trace import Number, absolute, less, maximum, select
 
 __all__ = ["DETERMINED", "always_determined", "twist_of_speeds"]
 
-SOFT = 1e-9
+SOFT = 1e-13
 """Added to the sum of squared sliding rows, over its usual size: axles that all coincide leave two directions open."""
 RANK = 1e-7
 """Singular value of the fixed wheels' sliding rows below which they leave a motion free."""
