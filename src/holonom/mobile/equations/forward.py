@@ -4,10 +4,12 @@ floats.
 A constraint is no measurement: wheels that must not slide say in which directions the base may move, motors how fast.
 Fixed wheels first: the twists that drag none of them are a subspace, P its projector. In it the rows of the wheels that
 steer and drive are fitted by least squares: such a module measures the whole velocity of its contact, so its share
-u u^T + n n^T of the normal matrix is constant whatever its heading. Wheels that steer and are not driven only lead: the
-fitted twist v is turned to where they do, by one step of inverse iteration with A = sum of their sliding rows squared,
-`d ~ (A + e 1)^-1 v` (Golub & Van Loan, Matrix Computations, 7.6.1), which drags none of them if their axles meet, and as
-little as can be where they do not. Last, d is made as long as the rolling rows have it.
+u u^T + n n^T of the normal matrix is constant whatever its heading. Wheels that steer and are not driven only lead. So few
+that some motion is left at any angles narrow the subspace, by Gram and Schmidt. More of them, such as the front wheels of
+a car, leave one only where their axles meet: the fitted twist v is turned to where they lead, by one step of inverse
+iteration with A = sum of their sliding rows squared, `d ~ (A + e 1)^-1 v` (Golub & Van Loan, Matrix Computations, 7.6.1),
+which drags none of them if they do meet, and as little as can be where not. Then d is made as long as the rolling rows
+have it.
 """
 
 from __future__ import annotations
@@ -24,7 +26,7 @@ from holonom.trace import Number, absolute, less, maximum, select
 
 __all__ = ["DETERMINED", "always_determined", "twist_of_speeds"]
 
-SOFT = 1e-13
+SOFT = 1e-11
 """Added to the sum of squared sliding rows, over its usual size: axles that all coincide leave two directions open."""
 RANK = 1e-7
 """Singular value of the fixed wheels' sliding rows below which they leave a motion free."""
@@ -39,6 +41,10 @@ def twist_of_speeds(layout: Layout, speeds: Row, axles: Sequence[Axle]) -> tuple
     """
     P, right = _projector(layout), _right(layout, speeds, axles)
     normal, varying = _constant_share(layout), _varying(layout)
+    if varying and len(varying) < round(sum(float(P[k][k]) for k in range(3))):
+        Q = _narrowed(P, [row for i in varying for row in _sliding(layout, layout.wheels[i], axles[i])])
+        v, determinant = solve_symmetric3(_between(layout, Q, normal), _times(Q, right))
+        return [v[0], v[1], v[2] / layout.radius], determinant * _usual_trace(layout) ** -3
     for i in varying:
         normal = _with(normal, _projected(P, _sliding(layout, layout.wheels[i], axles[i])))
     v, determinant = solve_symmetric3(normal, _times(P, right))
@@ -106,6 +112,24 @@ def _outside(layout: Layout, P: Sequence[Row]) -> list[Row]:
     """Usual size times what P leaves out: it keeps a matrix regular that has nothing there."""
     usual = _usual_trace(layout)
     return [[usual * ((1.0 if i == j else 0.0) - P[i][j]) for j in range(3)] for i in range(3)]
+
+
+def _narrowed(P: Sequence[Row], rows: Iterable[Row]) -> list[Row]:
+    """The projector on twists that those rows do not see either; rows without anything new count for nothing."""
+    Q = [list(line) for line in P]
+    for row in rows:
+        seen = _times(Q, row)
+        square = _sum_of(seen, seen)
+        part = select(less(square, RANK * RANK), 0.0, 1.0) / maximum(square, RANK * RANK)
+        Q = [[q - part * seen[i] * seen[j] for j, q in enumerate(line)] for i, line in enumerate(Q)]
+    return Q
+
+
+def _between(layout: Layout, Q: Sequence[Row], normal: Sequence[Row]) -> list[Row]:
+    """Normal matrix within a projector, and 1 outside of it."""
+    half = [[_sum_of(line, [n[j] for n in normal]) for j in range(3)] for line in Q]
+    outside = _outside(layout, Q)
+    return [[_sum_of(half[i], Q[j]) + outside[i][j] for j in range(3)] for i in range(3)]
 
 
 def _times(P: Sequence[Row], x: Row) -> Row:
