@@ -121,28 +121,26 @@ class Problem:
 
 @dataclass(frozen=True, slots=True)
 class _Own:
-    """Unknowns of one run: effects (N, 3, 4); a basis (3 N + 4, k) of these and their prior, weighted; roots (N, 3)."""
+    """Unknowns of one run: effects (N, 3, 4), roots of weights (N, 3); the inverse of their normal matrix (4, 4)."""
 
     effects: Array
-    basis: Array
     root: Array
+    inverse: Array
+    sure: Array
 
     def freed(self, values: Array) -> tuple[Array, Array]:
         """Values (N, 3, k) less what the run's own unknowns explain of them, weighted; and what these cost (4, k)."""
-        flat = (values * self.root[..., None]).reshape(-1, values.shape[2])
-        flat = np.concatenate([flat, np.zeros((4, flat.shape[1]))])
-        left = flat - self.basis @ (self.basis.T @ flat)
-        return left[:-4].reshape(values.shape) / self.root[..., None], left[-4:]
+        weighted = (self.effects * self.root[..., None] ** 2).reshape(-1, 4)
+        found = self.inverse @ (weighted.T @ values.reshape(-1, values.shape[2]))
+        return values - self.effects @ found, -np.sqrt(self.sure)[:, None] * found
 
     def clock(self, error: Array) -> float:
         """Offset of the truth's clock, s, by errors (N, 3); NaN where another start would look the same."""
-        weighted = (self.effects * self.root[..., None]).reshape(-1, 4)
-        start, late = weighted[:, :3], weighted[:, 3]
-        alone = late - start @ np.linalg.lstsq(start, late, rcond=None)[0]
-        square = float(alone @ alone)
-        if square <= TOLD**2 * float(late @ late):
-            return float("nan")
-        return float(alone @ (error * self.root).ravel()) / square
+        weighted = (self.effects * self.root[..., None] ** 2).reshape(-1, 4)
+        G, g = weighted.T @ self.effects.reshape(-1, 4), weighted.T @ error.ravel()
+        by_start = np.linalg.lstsq(G[:3, :3], G[:3, 3], rcond=None)[0]
+        alone = float(G[3, 3] - by_start @ G[:3, 3])
+        return float(g[3] - by_start @ g[:3]) / alone if alone > TOLD**2 * float(G[3, 3]) else float("nan")
 
 
 def _own(run: Run, poses: Array, root: Array, sure: Array) -> _Own:
@@ -151,10 +149,11 @@ def _own(run: Run, poses: Array, root: Array, sure: Array) -> _Own:
     effects[:, 0, 0] = effects[:, 1, 1] = effects[:, 2, 2] = 1.0
     effects[:, 0, 2], effects[:, 1, 2] = poses[0, 1] - poses[:, 1], poses[:, 0] - poses[0, 0]
     effects[:, :, 3] = np.gradient(poses, run.time, axis=0)
-    flat = np.concatenate([(effects * root[..., None]).reshape(-1, 4), np.diag(np.sqrt(sure))])
-    size = np.linalg.norm(flat, axis=0)
-    U, s, _ = np.linalg.svd(flat / np.where(size > 0.0, size, 1.0), full_matrices=False)
-    return _Own(effects, U[:, s > TOLD * s[0]], root)
+    flat = (effects * root[..., None]).reshape(-1, 4)
+    normal = flat.T @ flat + np.diag(sure)
+    size = np.sqrt(np.maximum(np.diagonal(normal), 1e-300))
+    inverse = np.linalg.pinv(normal / np.outer(size, size), rcond=TOLD**2, hermitian=True) / np.outer(size, size)
+    return _Own(effects, root, inverse, sure)
 
 
 def path_lever(runs: Sequence[Run]) -> float:
@@ -165,8 +164,17 @@ def path_lever(runs: Sequence[Run]) -> float:
 
 def solve(problem: Problem, start: Array) -> Array:
     """Least squares (p,) from a start, by Levenberg and Marquardt."""
+    last: dict[bytes, tuple[Array, Array]] = {}
+
+    def at(x: Array) -> tuple[Array, Array]:
+        """Residuals and derivatives come together: the second question for the same x costs nothing."""
+        if x.tobytes() not in last:
+            last.clear()
+            last[x.tobytes()] = problem.residuals(x)
+        return last[x.tobytes()]
+
     found = optimize.least_squares(
-        lambda x: problem.residuals(x)[0], start, jac=lambda x: problem.residuals(x)[1], method="lm",
+        lambda x: at(x)[0], start, jac=lambda x: at(x)[1], method="lm",
         xtol=1e-10, ftol=1e-10, max_nfev=EVALUATIONS,
     )  # fmt: skip
     x: Array = found.x

@@ -26,7 +26,7 @@ from holonom.mobile.calibration.residuals import SURE, RunPart
 __all__ = ["Noise", "check_excitation", "noise_covariance", "noise_of", "sureness"]
 
 
-SURER = 100.0  # square of how much surer a start is by a way than by its first sample
+SURER = 400.0  # square of how much surer a start is by a way than by its first sample
 SPANS = 4  # of the longest kind that a run has at least
 UNSEEN = 1e-7  # relative singular value below which a combination has no effect at all
 OPEN = 0.3  # standard deviation of a combination, relative to the parameters' scale, above which it is left open
@@ -93,7 +93,7 @@ def noise_of(parts: Sequence[RunPart]) -> Noise:
     the base slips, and one that stays where the truth is noisy (Allan 1966). Its expectation is linear in the four
     intensities; spans of 1, 2, 4, ... samples are fitted, by nonnegative least squares.
     """
-    rows, seen = [], []
+    rows, seen, counts = [], [], []
     for part in parts:
         truth = part.path - part.free_error
         for lag in _lags(len(truth)):
@@ -107,13 +107,15 @@ def noise_of(parts: Sequence[RunPart]) -> Noise:
                 ([2.0 * travel, bent, 4.0, 0.5 * step], ((ours - theirs)[:, :2] ** 2).sum(axis=1).mean()),
                 ([0.0, travel, 0.0, 2.0], ((ours - theirs)[:, 2] ** 2).mean()),
             ):
-                scale = count / max(float(square), 1e-30)
-                rows.append(np.array(row) * scale)
-                seen.append(float(square) * scale)
-    A = np.array(rows)
+                rows.append(row)
+                seen.append(float(square))
+                counts.append(count)
+    b = np.maximum(seen, 1e-30)
+    scale = np.array(counts) / b  # a variance scatters by as much as it is
+    A = np.array(rows) * scale[:, None]
     size = np.linalg.norm(A, axis=0)
     size[size == 0.0] = 1.0
-    found = nnls(A / size, np.array(seen))[0] / size
+    found = nnls(A / size, b * scale)[0] / size
     return Noise(*(float(value) for value in found))
 
 
@@ -121,7 +123,7 @@ def sureness(parts: Sequence[RunPart], periods: Sequence[float]) -> Array:
     """Weights (runs, 4) of the squares of each run's start (x, y, heading) and clock (s).
 
     The truth's first sample knows the start to its own noise, all samples along the way much better; a clock is trusted
-    to a period of the samples. Beside that stands what the base's walk makes of the errors: with hardly any noise the
+    to a period of the samples (`clock_offset` finds larger offsets beforehand). Beside that stands what the base's walk makes of the errors: with hardly any noise the
     start is as good as known, without any walk it is free.
 
     Parameters
