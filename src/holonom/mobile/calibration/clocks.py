@@ -16,6 +16,7 @@ MOST = 2.0  # s of an offset that is looked for
 LEAST = 8  # spans that a run must have
 BETTER = 0.5  # part of the disagreement that an offset must leave at most, to count
 ALIKE = 0.05  # part of the motion, squared, that it may leave: what disagrees more has other faults
+AGREED = 1e-3  # part of the motion, squared, up to which both agree as they are
 LARGE = 1e6  # m, of a place that no base has
 WORTH = 0.5  # periods of the samples: a smaller offset is none
 
@@ -53,7 +54,7 @@ def clock_offset(run: Run, matrix: Array) -> float:
     coarse = float(at[int(np.argmin([miss(late) for late in at]))])
     found = minimize_scalar(miss, bounds=(coarse - period, coarse + period), method="bounded").x
     moved = float((_motions(truth, inner + found, half * period, lever) ** 2).sum())
-    clear = miss(found) < min(BETTER * miss(0.0), ALIKE * moved)
+    clear = miss(found) < min(BETTER * miss(0.0), ALIKE * moved) and miss(0.0) > AGREED * moved
     return float(found) if clear and abs(found) > WORTH * period else 0.0
 
 
