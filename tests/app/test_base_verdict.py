@@ -46,7 +46,16 @@ DEAD = '[[faults]]\ntime = "1s"\nkind = "motor_dead"\nwheel = "b"\n'
 
 
 def cell(folder: Path, **changes: object) -> Path:
-    words = {"wheels": FOUR, "height": "0mm", "com": "", "friction": 0.8, "sliding": 0.6, "path": "", "faults": "", "speed": 0.8}
+    words = {
+        "wheels": FOUR,
+        "height": "0mm",
+        "com": "",
+        "friction": 0.8,
+        "sliding": 0.6,
+        "path": "",
+        "faults": "",
+        "speed": 0.8,
+    }
     path = folder / "cell.toml"
     path.write_text(CELL.format(**(words | changes)), encoding="utf-8")
     return path
@@ -61,7 +70,9 @@ def test_a_path_that_is_kept_is_done(tmp_path: Path) -> None:
 
 def test_a_path_on_ice_has_failed_whatever_the_controller_believes(tmp_path: Path) -> None:
     """The true pose counts; summary, recording and the report of the recording agree."""
-    with pytest.raises(DriveFault, match=r"the path was not kept: .* m off at .* s, 0.05 m are allowed.*within its tol"):
+    with pytest.raises(
+        DriveFault, match=r"the path was not kept: .* m off at .* s, 0.05 m are allowed.*within its tol"
+    ):
         run_cell(cell(tmp_path, friction=0.06, sliding=0.04), tmp_path / "out")
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["outcome"] == "failed"

@@ -27,7 +27,7 @@ NAMES = ("time", "left", "right", "x", "y", "theta")
 def rows() -> np.ndarray:
     """Times, running angles of the wheels, and the truth of a base that wanders about."""
     time = 0.05 * np.arange(500)
-    turns = 0.1 + 0.08 * np.sin(np.outer(time, [0.7, 0.9]) + [0.0, 1.0])
+    turns = 0.1 + 0.08 * np.sin(np.outer(time, [0.7, 0.9]) + np.array([0.0, 1.0]))
     turns[0] = 0.0
     matrix = drive_parameters("differential", {"wheelbase": 0.2, "diameter_left": 0.084, "diameter_right": 0.084})
     return np.column_stack([time, np.cumsum(turns, axis=0), integrate(turns @ matrix.matrix(TRUE).T)])
@@ -66,7 +66,8 @@ def two_rates(values: np.ndarray) -> str:
     truth = [np.interp(fine, values[:, 0], column) for column in values[:, 3:].T]
     blank = np.full((len(fine), 2), np.nan)
     both = np.concatenate([
-        np.column_stack([values[:, :3], np.full((len(values), 3), np.nan)]), np.column_stack([fine + 1e-7, blank, *truth])
+        np.column_stack([values[:, :3], np.full((len(values), 3), np.nan)]),
+        np.column_stack([fine + 1e-7, blank, *truth]),
     ])  # fmt: skip
     return text(both[np.argsort(both[:, 0])])
 

@@ -98,7 +98,7 @@ def _creep_of(base: Base, used: float) -> float:
 
 @pytest.mark.parametrize("used", [0.3, 0.6, 0.8])
 def test_a_gripping_wheel_creeps_along_its_rollers(used: float) -> None:
-    """By the magic formula: the contact slips where mu(s) is what is used; the rim of a mecanum wheel 1 / cos 45 more."""
+    """By the magic formula: the contact slips where mu(s) is what is used; the rim of a mecanum wheel over cos 45."""
     s = brentq(lambda slip: CARPET.friction(slip) - used * CARPET.peak, 0.0, 0.05)
     omni, mecanum = soccer(), arrangements.mecanum(0.2, 0.16, 0.03, mass=6.35)
     assert _creep_of(omni, used) == pytest.approx(s, rel=0.12)

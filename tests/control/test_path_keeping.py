@@ -10,19 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from holonom.control.base_kernels import (
-    Body,
     Planar,
-    allocation,
     estimate_step,
-    feasible_rate,
-    force_part,
     ground_speed,
     keeping_step,
     pose_step,
     reference_at,
     wanted_acceleration,
-    wrench_of,
 )
+from holonom.control.force_kernels import Body, allocation, feasible_rate, force_part, wrench_of
 from holonom.control.path_keeping import EstimateSettings, KeepingSettings
 from holonom.errors import OutOfLimits
 

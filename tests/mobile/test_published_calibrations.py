@@ -66,7 +66,9 @@ def test_headings_before_calibration_are_the_published_ones(data_folder: Path, f
     assert set(data["limits"].values()) == {None}  # plain least squares, unless limits are asked for
     assert data["growth"] == 0.0
     for our, their in zip(
-        (data["errors_before"][key] for key in ("max_heading_deg", "max_final_heading_deg")), HEADINGS[folder], strict=True
+        (data["errors_before"][key] for key in ("max_heading_deg", "max_final_heading_deg")),
+        HEADINGS[folder],
+        strict=True,
     ):
         assert their is None or our == pytest.approx(their, abs=1e-3)
 
@@ -126,5 +128,5 @@ def test_two_published_methods_no_odometry_beats_both(
     assert best.status == 0
     assert best.fun == pytest.approx(least, abs=1e-3)
     limits = [np.inf, np.radians(way), np.inf, np.radians(end)]
-    with pytest.raises(CalibrationError, match="no extended parameters near the least squares keep|does not tell"):
+    with pytest.raises(CalibrationError, match=r"no extended parameters near the least squares keep|does not tell"):
         calibrate(log.runs, log.drive, log.nominal, set_name="extended", limits=limits)

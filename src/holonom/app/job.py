@@ -16,7 +16,18 @@ from holonom.mechanics import Arm
 from holonom.mobile import BaseDrive, BaseSensors, WheelBase
 from holonom.sim import BaseFault, Disc, Floor, Gripper, Ground, Surface
 
-__all__ = ["ArmJob", "BaseJob", "FieldPlace", "Job", "Mount", "Obstacle", "PathTolerance", "SensorJob", "SignalEvent", "Task"]
+__all__ = [
+    "ArmJob",
+    "BaseJob",
+    "FieldPlace",
+    "Job",
+    "Mount",
+    "Obstacle",
+    "PathTolerance",
+    "SensorJob",
+    "SignalEvent",
+    "Task",
+]
 
 
 @dataclass(frozen=True, slots=True)

@@ -33,9 +33,7 @@ class BaseWords:
         What it keeps then, one of `machine.base.settings.KEEP`.
     """
 
-    def __init__(
-        self, wheels: Sequence[str], slips: float, base: WheelBase | None = None, keep: str = "both"
-    ) -> None:
+    def __init__(self, wheels: Sequence[str], slips: float, base: WheelBase | None = None, keep: str = "both") -> None:
         self._wheels, self._limit, self._base, self._keep = tuple(wheels), slips, base, keep
         self._last_text, self._silent = "", 0
         self._slipping = np.zeros(len(wheels), np.int64)  # ms for which each goes on slipping

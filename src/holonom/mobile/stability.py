@@ -21,8 +21,8 @@ from holonom.model.gravity import GRAVITY
 from holonom.numeric.contact_loads import pushing_loads
 
 __all__ = [
-    "Stance", "acceleration_limit", "contact_points", "dynamic_margin", "lateral_limit", "static_margin", "support_polygon",
-    "turning_speed", "wheel_loads", "zero_moment_point",
+    "Stance", "acceleration_limit", "contact_points", "dynamic_margin", "lateral_limit", "static_margin",
+    "support_polygon", "turning_speed", "wheel_loads", "zero_moment_point",
 ]  # fmt: skip
 
 
@@ -180,7 +180,7 @@ def wheel_loads(
 
 
 class Stance(NamedTuple):
-    """How a base stands: contacts (w, 2) m about its centre of mass, weight N, height m, and which wheels are driven."""
+    """How a base stands: contacts (w, 2) m about its centre of mass, weight N, height m, which wheels are driven."""
 
     points: Array
     weight: float
@@ -188,7 +188,7 @@ class Stance(NamedTuple):
     driven: tuple[int, ...]
 
     def loads(self, acceleration: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Loads (..., n), N, of the driven wheels at accelerations (..., 2) of the centre of mass; whether it stands."""
+        """Loads (..., n), N, of the driven wheels at accelerations (..., 2) of the centre of mass; if it stands."""
         shares, stands = pushing_loads(self.points, -self.height / GRAVITY * acceleration)
         return self.weight * shares[..., list(self.driven)], stands
 

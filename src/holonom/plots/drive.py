@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 from holonom.arrays import Array
 from holonom.errors import InputError, ShapeError
 from holonom.mobile.base.wheel_base import WheelBase
-from holonom.mobile.drive.failed_motor import motors_hold_all
 from holonom.mobile.drive.coupling import Coupling, coupling_of
 from holonom.mobile.drive.envelopes import Envelope, Limit, effective_motors
+from holonom.mobile.drive.failed_motor import motors_hold_all
 from holonom.mobile.drive.slip import SlipReport, SlipStatus
 from holonom.plots.figure import COLORS, new_figure, saved
 

@@ -23,7 +23,15 @@ from holonom.errors import LogError
 __all__ = ["BAGS", "DAMAGED", "Message", "is_bag", "messages_of"]
 
 BAGS = (".mcap", ".db3")
-DAMAGED = (McapError, ZstdError, struct.error, ValueError, KeyError, IndexError, OverflowError)  # what broken files raise
+DAMAGED = (
+    McapError,
+    ZstdError,
+    struct.error,
+    ValueError,
+    KeyError,
+    IndexError,
+    OverflowError,
+)  # what broken files raise
 
 
 class Message(NamedTuple):

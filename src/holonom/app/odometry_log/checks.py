@@ -113,7 +113,8 @@ def in_one_clock(
     LogError
         What `check_motion` refuses, and no offset of the clock explains.
     """
-    fault, doubts = None, ()
+    fault: LogError | None = None
+    doubts: tuple[str, ...] = ()
     try:
         doubts = check_motion(table, run, parameters, wheels)
     except LogError as problem:

@@ -1,9 +1,9 @@
 """Logs in MCAP files and rosbag2: wheel angles as sensor_msgs/JointState, the truth as odometry, poses or transforms.
 
-The first topic of each type counts, unless another is named (`/joint_states` and `/odom` when written here); of the types
-of `TRUTHS` the first that is there. Joints are found by the drive's wheel names, unless others are given; the tricycle's
-steering is the joint `front_steering`. Poses are interpolated to the times of the joints. Any file with these messages
-in little-endian CDR does, such as `ros2 bag` writes.
+The first topic of each type counts, unless another is named (`/joint_states` and `/odom` when written here); of the
+types of `TRUTHS` the first that is there. Joints are found by the drive's wheel names, unless others are given; the
+tricycle's steering is the joint `front_steering`. Poses are interpolated to the times of the joints. Any file with
+these messages in little-endian CDR does, such as `ros2 bag` writes.
 """
 
 from __future__ import annotations

@@ -68,7 +68,7 @@ class PathJudge:
         return f"the path was not kept: {'; '.join(missed)}; {share}"
 
     def _errors(self, error: Array, dead: Array) -> tuple[Array, Array]:
-        """Errors (N,) of place, m, and heading, rad, that count: of one only, once motors are lost and it was chosen."""
+        """Errors (N,) of place, m, and heading, rad, that count: only the chosen one, once motors are lost."""
         place: Array = np.hypot(error[:, 0], error[:, 1])
         heading: Array = np.abs((error[:, 2] + np.pi) % (2.0 * np.pi) - np.pi)
         if self._keep == "both" or not dead.any():

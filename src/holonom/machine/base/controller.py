@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, finite_array, real_array
 from holonom.control import ServoAxis
-from holonom.control.base_kernels import Body
 from holonom.control.base_tuning import WheelLoop, tune_wheel
+from holonom.control.force_kernels import Body
 from holonom.control.traction import TractionSettings, WatchSettings
 from holonom.devices import tracking_params
 from holonom.devices.drive_signals import WheelSignals

@@ -16,14 +16,13 @@ from holonom.control.base_kernels import (
     EstimateParams,
     Planar,
     estimate_step,
-    feasible_rate,
     keeping_step,
     line_keeping_step,
     pose_step,
     reference_at,
     wanted_acceleration,
-    wrench_of,
 )
+from holonom.control.force_kernels import feasible_rate, wrench_of
 from holonom.control.shaping_kernels import drivable_twist, shaping_step
 from holonom.devices.drive_signals import WheelSignals
 from holonom.machine.base.params import BaseParams, BaseTask, Work
@@ -44,7 +43,20 @@ from holonom.mobile.drive.slip_kernels import SlipState, slip_step
 from holonom.trace.code.loops import loop
 from holonom.trace.code.simd import WIDTH, load, packed, store
 
-__all__ = ["DONE", "HOLD", "KEEP_BOTH", "KEEP_HEADING", "KEEP_PATH", "PATH", "RUNNING", "STOPPED", "VELOCITY", "control_step", "path_ending", "say"]
+__all__ = [
+    "DONE",
+    "HOLD",
+    "KEEP_BOTH",
+    "KEEP_HEADING",
+    "KEEP_PATH",
+    "PATH",
+    "RUNNING",
+    "STOPPED",
+    "VELOCITY",
+    "control_step",
+    "path_ending",
+    "say",
+]
 
 PATH, VELOCITY, HOLD = 0, 1, 2
 """What a base does: it keeps a path, follows velocities, holds its pose."""

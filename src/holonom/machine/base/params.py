@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from holonom.arrays import Array
-from holonom.control.base_kernels import Body, EstimateParams, KeepingParams, TractionParams, WatchParams
+from holonom.control.base_kernels import EstimateParams, KeepingParams, TractionParams, WatchParams
+from holonom.control.force_kernels import Body
 from holonom.control.shaping_kernels import ShapingParams
 from holonom.mobile.drive.slip_kernels import SlipParams
 

@@ -19,12 +19,12 @@ from holonom.control.base_kernels import (
     Suspicion,
     TractionParams,
     WatchParams,
-    allocation,
     traction_step,
     watch_step,
     watch_verdict,
     within_slip,
 )
+from holonom.control.force_kernels import allocation
 from holonom.control.kernels import speed_step
 from holonom.devices.kernels import (
     EncoderParams,

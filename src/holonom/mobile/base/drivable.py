@@ -61,7 +61,7 @@ class Wedges:
         """The nearest twists (N, 3) that drag no fixed wheel and lie in all wedges."""
         free = free_motions(self.held)
         v = v @ free @ free.T
-        beyond = np.flatnonzero(~self.hold(v))
+        beyond = np.flatnonzero(np.logical_not(self.hold(v)))
         if not len(beyond):
             return v
         asked, best = v[beyond], np.zeros((len(beyond), 3))

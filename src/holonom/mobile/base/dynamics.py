@@ -2,8 +2,8 @@
 
 In v = (vx, vy, R w) of base_link, with D the rim speeds per v, C the sliding rows, c the centre of mass and
 I = alpha M R^2 the inertia about it, d'Alembert's principle reads `M B a + b = D^T f + C^T lambda`, `C v' = 0`
-(Siciliano et al., Robotics: Modelling, Planning and Control, 11.4): forces that hold a wheel sideways do no work. With S
-an orthonormal basis of what C leaves free, `a = S (S^T B S)^-1 S^T (D^T f - b) / M + ...`.
+(Siciliano et al., Robotics: Modelling, Planning and Control, 11.4): forces that hold a wheel sideways do no work.
+With S an orthonormal basis of what C leaves free, `a = S (S^T B S)^-1 S^T (D^T f - b) / M + ...`.
 """
 
 from __future__ import annotations

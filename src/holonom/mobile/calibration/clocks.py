@@ -25,7 +25,7 @@ def clock_offset(run: Run, matrix: Array) -> float:
     """By how much the truth's clock is behind that of the wheels, s; 0 where no offset explains clearly more.
 
     The motions over short spans, forwards, sideways and turning, by the wheels and by the truth, are compared at every
-    offset: what no linear map of the one leaves of the other, so that neither geometry nor the place of a marker matters.
+    offset: what no linear map of the one leaves of the other, so that neither geometry nor a marker's place matters.
     A motion that never changes tells nothing of it.
 
     Parameters

@@ -2,9 +2,9 @@
 
 Errors of odometry along a path hang together: each slip shifts and turns all that follows. Counting every sample as
 news would promise far too much. Here the noise is a random walk of the base, white per way of the wheels, in both
-directions and in heading, beside white noise of the truth's place and heading; their four intensities come from how what
-calibration leaves grows over spans of the runs. With `H = J^T W J`, an estimate moves by `H^-1 S_i` when the base slips
-in sample i, where S_i sums `J^T W` times the shift over all later samples; J is what is left of the derivatives without
+directions and in heading, beside white noise of the truth's place and heading; their four intensities come from how
+what calibration leaves grows over spans of the runs. With `H = J^T W J`, an estimate moves by `H^-1 S_i` when the base
+slips in sample i, where S_i sums `J^T W` times the shift over all later samples; J is what is left of the derivatives without
 the run's own start and clock.
 """
 
@@ -123,8 +123,8 @@ def sureness(parts: Sequence[RunPart], periods: Sequence[float]) -> Array:
     """Weights (runs, 4) of the squares of each run's start (x, y, heading) and clock (s).
 
     The truth's first sample knows the start to its own noise, all samples along the way much better; a clock is trusted
-    to a period of the samples (`clock_offset` finds larger offsets beforehand). Beside that stands what the base's walk makes of the errors: with hardly any noise the
-    start is as good as known, without any walk it is free.
+    to a period of the samples (`clock_offset` finds larger offsets beforehand). Beside that stands what the base's walk
+    makes of the errors: with hardly any noise the start is as good as known, without any walk it is free.
 
     Parameters
     ----------

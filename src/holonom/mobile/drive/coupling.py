@@ -1,8 +1,9 @@
 """Coupling between n driven wheels and the base: speeds by D, forces by C_alpha (specification 06.2; Rojas & Foerster).
 
 In equations a twist is v = (vx, vy, R w), an acceleration a = (ax, ay, R wd) of base_link, m the rim speeds and f the
-forces at the rims (torque over wheel radius): `m = D v`, `a = C_alpha f / M`, `I = alpha M R^2` about the centre of mass.
-With that at the origin and no sliding constraint `C_alpha = diag(1, 1, 1/alpha) D^T`, else `base.dynamics` says what.
+forces at the rims (torque over wheel radius): `m = D v`, `a = C_alpha f / M`, `I = alpha M R^2` about the centre of
+mass. With that at the origin and no sliding constraint `C_alpha = diag(1, 1, 1/alpha) D^T`, else `base.dynamics` says
+what.
 Verbs take and give (vx, vy, w) in m/s and rad/s.
 """
 

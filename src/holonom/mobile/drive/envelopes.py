@@ -225,7 +225,7 @@ def _within(A: Array, vectors_: Array) -> NDArray[np.bool_]:
 def _reach(
     A: Array, low: Array, high: Array, offset: Array, phi: Array
 ) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Length of each ray from an offset (3,) inside the zonotope of A's columns, whether it meets it, columns at an end.
+    """Length of each ray from an offset (3,) inside the zonotope of A's columns, whether it meets it, columns at ends.
 
     Rays start anywhere on the line through the offset: it need not lie inside.
     """

@@ -132,7 +132,9 @@ def drive_limits(base: WheelBase, motor: DcMotor, gear: Gear, friction: float) -
     wheels = [w for w in base.wheels if w.driven]
     ball = next((w.name for w in wheels if w.kind == "spherical"), None)
     if ball is not None:
-        raise InputError(f"base {base.name!r} drives the ball {ball!r} three ways at one contact; only wheels have limits")
+        raise InputError(
+            f"base {base.name!r} drives the ball {ball!r} three ways at one contact; only wheels have limits"
+        )
     driven = tuple(i for i, w in enumerate(base.wheels) if w.driven)
     loads = wheel_loads(base)[list(driven)]
     stance = Stance(contact_points(base) - base.com, base.mass * GRAVITY, base.com_height, driven)

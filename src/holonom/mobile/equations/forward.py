@@ -1,15 +1,14 @@
-"""Forward model of a whole base: the twist that keeps its sliding rows and fits its rolling rows best; traced, or on
-floats.
+"""Forward model of a whole base: it keeps the sliding rows and fits the rolling rows best; traced, or on floats.
 
 A constraint is no measurement: wheels that must not slide say in which directions the base may move, motors how fast.
-Fixed wheels first: the twists that drag none of them are a subspace, P its projector. In it the rows of the wheels that
-steer and drive are fitted by least squares: such a module measures the whole velocity of its contact, so its share
-u u^T + n n^T of the normal matrix is constant whatever its heading. Wheels that steer and are not driven only lead. So few
-that some motion is left at any angles narrow the subspace, by Gram and Schmidt. More of them, such as the front wheels of
-a car, leave one only where their axles meet: the fitted twist v is turned to where they lead, by one step of inverse
-iteration with A = sum of their sliding rows squared, `d ~ (A + e 1)^-1 v` (Golub & Van Loan, Matrix Computations, 7.6.1),
-which drags none of them if they do meet, and as little as can be where not. Then d is made as long as the rolling rows
-have it.
+Fixed wheels first: the twists that drag none of them are a subspace, P its projector. In it the rows of the wheels
+that steer and drive are fitted by least squares: such a module measures the whole velocity of its contact, so its share
+u u^T + n n^T of the normal matrix is constant whatever its heading. Wheels that steer and are not driven only lead. So
+few that some motion is left at any angles narrow the subspace, by Gram and Schmidt. More of them, such as the front
+wheels of a car, leave one only where their axles meet: the fitted twist v is turned to where they lead, by one step of
+inverse iteration with A = sum of their sliding rows squared, `d ~ (A + e 1)^-1 v` (Golub & Van Loan, Matrix
+Computations, 7.6.1), which drags none of them if they do meet, and as little as can be where not. Then d is made as
+long as the rolling rows have it.
 """
 
 from __future__ import annotations

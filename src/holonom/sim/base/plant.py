@@ -117,7 +117,9 @@ class BasePlant:
         self.params = BasePlantParams(
             aligned_records([(self.mass, inertia, base.com_height, dt, substeps, *base.com.tolist())], BODY),
             side_by_side(np.array(rows, WHEEL), share=0.0, share_x=0.0, share_y=0.0),
-            Supports(self.support[count:], np.ascontiguousarray(contacts), np.zeros(len(contacts)), contacts.mean(axis=0)),
+            Supports(
+                self.support[count:], np.ascontiguousarray(contacts), np.zeros(len(contacts)), contacts.mean(axis=0)
+            ),
             *floor_table(floor),
             np.array(broken, dtype=np.int64).reshape(-1, 3),
             SensorParams(*astuple(sensors)),

@@ -44,9 +44,7 @@ WHEEL = np.dtype(
 )
 """One driven wheel with its motor."""
 
-BODY = np.dtype(
-    [("mass", F), ("inertia", F), ("height", F), ("dt", F), ("substeps", I), ("com_x", F), ("com_y", F)]
-)
+BODY = np.dtype([("mass", F), ("inertia", F), ("height", F), ("dt", F), ("substeps", I), ("com_x", F), ("com_y", F)])
 """The rigid body: kg, kg m2 about its centre of mass, height of that (m); step of the plant (s), steps per millisecond;
 where the centre of mass is in base_link, m."""
 

@@ -63,8 +63,8 @@ def _asked(job: BaseJob, floor: Floor) -> list[str]:
         if worst.max() > 1.0:
             first, k = int(np.argmax(worst > 1.0)), int(worst.argmax())
             wheel = int(over[k].argmax())
-            most = f"most at {path.time[k]:.2f} s, {forces[k, wheel]:.1f} N of {base.driven[wheel]}"
-            found.append(f"the path asks for {what}: first at {path.time[first]:.2f} s, {most}")
+            worst_of = f"most at {path.time[k]:.2f} s, {forces[k, wheel]:.1f} N of {base.driven[wheel]}"
+            found.append(f"the path asks for {what}: first at {path.time[first]:.2f} s, {worst_of}")
     margin = dynamic_margin(base, centre)
     if margin.min() < -FOOT:
         first, k = int(np.argmax(margin < -FOOT)), int(margin.argmin())

@@ -216,9 +216,7 @@ def _detectable(facts: RobotFacts) -> bool:
     return base is None or bool(base.steered) or detectable(base)
 
 
-def _episodes(
-    recording: Recording, verdicts: SlipVerdicts, limit: float, *, detectable: bool
-) -> list[SlipEpisode]:
+def _episodes(recording: Recording, verdicts: SlipVerdicts, limit: float, *, detectable: bool) -> list[SlipEpisode]:
     """Every stretch of time in which a wheel slipped beyond its grip, in order of their starts."""
     track = recording.contacts
     told = gripping_again(recording.events, recording.end())

@@ -83,8 +83,8 @@ class PatchFacts:
 class BaseFacts:
     """A mobile base as `holonom.mobile.WheelBase` takes it, its motors, and the floor it drives on.
 
-    `friction` is the floor's largest coefficient, at slip `slip_at_peak`, m/s. The tolerances, m and rad, are those that
-    its path is judged by; None without.
+    `friction` is the floor's largest coefficient, at slip `slip_at_peak`, m/s. The tolerances, m and rad, are what its
+    path is judged by; None without.
     """
 
     wheels: tuple[Wheel, ...]
