@@ -4,8 +4,8 @@ Errors of odometry along a path hang together: each slip shifts and turns all th
 news would promise far too much. Here the noise is a random walk of the base, white per way of the wheels, in both
 directions and in heading, beside white noise of the truth's place and heading; their four intensities come from how
 what calibration leaves grows over spans of the runs. With `H = J^T W J`, an estimate moves by `H^-1 S_i` when the base
-slips in sample i, where S_i sums `J^T W` times the shift over all later samples; J is what is left of the derivatives without
-the run's own start and clock.
+slips in sample i, where S_i sums `J^T W` times the shift over all later samples; J is what is left of the derivatives
+without the run's own start and clock.
 """
 
 from __future__ import annotations
