@@ -12,7 +12,7 @@ from mcap.reader import make_reader
 
 from holonom.app.calibrate.odometry import TOPICS, calibrate_odometry
 from holonom.app.odometry_log import OdometryLog, write_log
-from holonom.app.odometry_log.truth_messages import poses_of
+from holonom.app.odometry_log.recorded.truth_messages import poses_of
 from holonom.errors import CalibrationError, LogError, UnknownName
 from holonom.mobile.calibration import Run, drive_parameters
 from holonom.mobile.odometry import integrate

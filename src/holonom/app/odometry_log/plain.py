@@ -47,11 +47,11 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from holonom.app.fields.quantities import OneOf
 from holonom.app.fields.toml_faults import line_of, parse_toml, worded_faults
 from holonom.app.fields.toml_lines import key_lines
-from holonom.app.odometry_log.bag import is_bag
 from holonom.app.odometry_log.checks import check_time, in_one_clock, part_names
 from holonom.app.odometry_log.log import OdometryLog
 from holonom.app.odometry_log.mcap_file import read_mcap_table
 from holonom.app.odometry_log.rates import in_seconds, on_one_rate
+from holonom.app.odometry_log.recorded.bag import is_bag
 from holonom.app.odometry_log.table import Table, read_table, read_text
 from holonom.arrays import Array
 from holonom.errors import CalibrationError, LogError, OutOfLimits
