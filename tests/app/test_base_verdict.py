@@ -160,3 +160,17 @@ def test_mecanum_wheels_that_push_too_hard_are_warned_of(data_folder: Path) -> N
     cells = data_folder / "faults" / "cells"
     assert any("more force than the floor takes" in w for w in check_cell(cells / "mec_hard.toml").data["warnings"])
     assert check_cell(cells / "mecanum.toml").data["warnings"] == []
+
+
+def test_velocities_that_wheels_cannot_follow_are_named(tmp_path: Path) -> None:
+    """A car may not go sideways, nor turn tighter than its steering lets it: by hand 0.3 m cot 30 deg + 0.1 m."""
+    path = tmp_path / "cell.toml"
+    path.write_text(
+        '[cell]\nname = "car"\ntime_limit = "9s"\n[[robot]]\nname = "car"\nmodel = { arrangement = "ackermann", '
+        'wheelbase = "300mm", track = "200mm", wheel_radius = "30mm", max_steering = "30deg", mass = "6kg" }\n'
+        'velocity = [{ at = "0s", vx = "0.5m/s", vy = "0.3m/s" }, { at = "1s", vx = "0.5m/s", w = "30deg/s" }, '
+        '{ at = "2s" }]\n',
+        encoding="utf-8",
+    )
+    warnings = check_cell(path).data["warnings"]
+    assert warnings == ["velocity at 0 s: its wheels cannot follow (0.5, 0.3, 0); the nearest is (0.5, 0, 0)"]
