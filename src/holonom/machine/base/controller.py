@@ -252,7 +252,7 @@ def _params(
         momentum=np.ascontiguousarray(momentum),
         keep=KEEP.index(settings.keep),
         max_force=most,
-        bearing=(bearing / bearing.mean()) ** 2,
+        bearing=bearing / bearing.mean(),
         max_rim=motor.no_load_speed / abs(gear.ratio) * float(radii.min()),
         path_force=RESERVE * most,
         rate_change=RATE_CHANGE,

@@ -36,7 +36,7 @@ class BaseParams(NamedTuple):
     momentum: Array  # (3, 3) momentum and angular momentum about base_link per twist
     keep: int  # BOTH, PATH or HEADING, where lost motors leave only one of them
     max_force: Array  # (m,) N that each wheel is asked for, along its rim
-    bearing: Array  # (m,) weights of the wheels in the allocation of force: square of what each carries, over the mean
+    bearing: Array  # (m,) weights of the wheels in the allocation of force: what each carries, over the mean
     max_rim: float  # m/s that a wheel reaches
     path_force: Array  # (m,) N that a path which is slowed down may need of each wheel
     rate_change: float  # 1/s, how fast the path may be slowed down

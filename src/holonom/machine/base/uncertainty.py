@@ -18,7 +18,8 @@ from holonom.mobile.drive.base_drive import (
     roller_cosines,
     supports,
 )
-from holonom.mobile.drive.coupling import base_twist, wheel_forces
+from holonom.mobile.drive.coupling import base_twist
+from holonom.mobile.drive.sharing import shared_forces
 from holonom.numeric.contact_loads import pushing_loads
 
 __all__ = ["pose_uncertainty"]
@@ -34,8 +35,8 @@ def pose_uncertainty(
 ) -> UncertaintySettings:
     """Return the settings of the covariance of a base's dead reckoning.
 
-    Wheels creep by rim force over load. Force comes from acceleration (split with least squares, over loads that it
-    shifts) and from the rollers' drag.
+    Wheels creep by rim force over load. Force comes from acceleration (split by what each wheel carries, over loads
+    that it shifts) and from the rollers' drag.
     """
     ahead, left, turn = _creep(base, creep.slope)
     odd = 0.5 * (turn - np.roll(turn, PARTS // 2))
@@ -57,7 +58,7 @@ def _creep(base: WheelBase, slope: float) -> tuple[float, float, Array]:
     D, mass = base.velocity_coupling * [1.0, 1.0, base.radius], base_mass(base)
     angle = 2.0 * np.pi * np.arange(PARTS) / PARTS
     a = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle])
-    force = wheel_forces(base, a.T, mass).T
+    force = shared_forces(base, a.T).T
     at, count = supports(base), len(D)
     shares, stands = pushing_loads(at, -base.com_height / GRAVITY * a[:2].T)
     loads = np.where(stands[:, None], mass * GRAVITY * shares[:, :count], rest_loads(base))  # one that tips: as at rest

@@ -26,7 +26,7 @@ from holonom.mobile.calibration.residuals import SURE, RunPart
 __all__ = ["Noise", "check_excitation", "noise_covariance", "noise_of", "sureness"]
 
 
-SURER = 400.0  # square of how much surer a start is by a way than by its first sample
+SURER = 100.0  # square of how much surer a start is by a way than by its first sample
 SPANS = 4  # of the longest kind that a run has at least
 UNSEEN = 1e-7  # relative singular value below which a combination has no effect at all
 OPEN = 0.3  # standard deviation of a combination, relative to the parameters' scale, above which it is left open

@@ -7,13 +7,10 @@ from typing import Any
 import numpy as np
 
 from holonom.app.job import BaseJob
-from holonom.arrays import Array
-from holonom.machine import ReferencePath
-from holonom.mobile import WheelBase, drive_limits, dynamic_margin, rim_speeds
+from holonom.mobile import drive_limits, dynamic_margin, rim_speeds
 from holonom.mobile.base.wheel_base import DRAG
-from holonom.mobile.drive.base_drive import base_mass, rest_loads
-from holonom.mobile.drive.coupling import coupling_of
 from holonom.mobile.drive.failed_motor import motors_hold_all
+from holonom.mobile.drive.sharing import shared_forces
 from holonom.sim import Floor
 from holonom.sim.base.kernels import FOOT
 
@@ -50,7 +47,7 @@ def _asked(job: BaseJob, floor: Floor) -> list[str]:
     if speed > most:
         return [f"the path asks for wheels at {speed:.0f} rad/s; the motors reach {most:.0f} rad/s"]
     limits = drive_limits(base, job.drive.motor, job.drive.gear, floor.material.peak)
-    forces = _forces(base, path)
+    forces = shared_forces(base, path.acceleration, twist=path.twist)
     low, high = limits.motor_limits(rim_speeds(base, path.twist))
     centre = path.acceleration[:, :2] + path.acceleration[:, 2:] * [-base.com[1], base.com[0]]
     centre = centre - path.twist[:, 2:] ** 2 * base.com
@@ -73,15 +70,6 @@ def _asked(job: BaseJob, floor: Floor) -> list[str]:
             f"{path.time[k]:.2f} s): brake and turn less, or build lower"
         )
     return found
-
-
-def _forces(base: WheelBase, path: ReferencePath) -> Array:
-    """Rim forces (N, m), N, along a path, shared as the controller does: a wheel pushes by what it carries."""
-    coupling, mass = coupling_of(base), base_mass(base)
-    weight = rest_loads(base) / rest_loads(base).mean()
-    a = path.acceleration * [1.0, 1.0, coupling.radius] - coupling.drift(path.twist)
-    shared: Array = mass * a @ (weight[:, None] * np.linalg.pinv(coupling.force * weight, rcond=1e-10)).T
-    return shared
 
 
 def _undrivable(job: BaseJob) -> list[str]:
