@@ -16,9 +16,10 @@ from holonom.errors import InputError
 from holonom.mobile import Wheel, WheelBase, arrangements
 from holonom.mobile.drive.coupling import base_acceleration, base_twist, coupling_of, wheel_forces
 from holonom.mobile.drive.envelopes import acceleration_envelope, critical_force, force_envelope, speed_envelope
-from holonom.mobile.drive.failed_motor import allocation, possible_twists
+from holonom.mobile.drive.failed_motor import allocation, motors_hold_all, possible_twists
 from holonom.mobile.drive.limits import drive_limits
 from holonom.mobile.drive.patterns import idle_patterns
+from holonom.plots.drive import draw_effective_motors
 
 STRONG = DcMotor(0.1, 0.1e-3, 0.05, 0.05, 1e-6, 48.0, 100.0)
 GEAR = Gear(10.0)
@@ -164,3 +165,23 @@ def test_a_ball_has_one_contact_for_three_drives() -> None:
     third = Wheel.at("spherical", -0.1, -0.1, radius=0.05, name="third")
     with pytest.raises(InputError, match=r"drives the ball 'ball 0\.2' three ways"):
         drive_limits(WheelBase([*ball, third], mass=3.0), STRONG, GEAR, 0.5)
+
+
+def test_two_dead_motors_leave_no_speed_by_direction() -> None:
+    """Live wheels 3 and 4 at 225 and 315 deg: by hand they push without a turn along one line only, y."""
+    base = arrangements.omni(np.radians([45.0, 135.0, 225.0, 315.0]), radius=0.1, wheel_radius=0.03, mass=5.0)
+    drive, phi = drive_limits(base, STRONG, GEAR, 0.6), np.radians(np.arange(0.0, 360.0, 0.5))
+    found = speed_envelope(base, phi, drive, out=[0, 1])
+    # f3 (-sin 225, cos 225) + f4 (-sin 315, cos 315) with f3 + f4 = 0 has no part along x: sin 225 = sin 315
+    np.testing.assert_array_equal(found.reachable, np.abs(np.cos(phi)) < 1e-9)
+    np.testing.assert_array_equal(found.reachable, force_envelope(base, phi, out=[0, 1]).value > 1e-9)
+    assert found.value.max() < 60.0
+    assert np.isfinite(found.value).all()
+    assert motors_hold_all(base, 0b0001)
+    assert not motors_hold_all(base, 0b0011)
+
+
+def test_a_figure_leaves_out_what_it_cannot_say() -> None:
+    figure = draw_effective_motors(arrangements.omni(n=4, radius=0.1, wheel_radius=0.03), out=[0, 1])
+    words = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
+    assert words == ["all motors", "without wheel 1 and wheel 2: cannot hold its heading, not drawn"]
