@@ -167,6 +167,12 @@ class CdrReader:
         """A time stamp in nanoseconds."""
         return self.uint32() * _SECOND + self.uint32()
 
+    def doubles(self, count: int) -> NDArray[np.float64]:
+        """`count` doubles, (count,)."""
+        self._align(8)
+        self._at += 8 * count
+        return np.frombuffer(self._data, dtype="<f8", count=count, offset=self._at - 8 * count)
+
     def skip_doubles(self, count: int) -> None:
         """Pass over `count` doubles."""
         if count:
