@@ -177,7 +177,7 @@ class Swapping(GantryWrist):
     """Loses the order of its branches halfway."""
 
     def ik(self, T: np.ndarray, q0: np.ndarray) -> Solutions:
-        solutions = super().ik(T)
+        solutions = super().ik(T, q0)
         half = len(T) // 2
         return Solutions(np.concatenate([solutions.q[:half], solutions.q[half:, ::-1]]), solutions.status)
 
