@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -92,8 +92,8 @@ class BodyTable(Section):
     """mass with wheels and motors"""
     mass_distribution: Annotated[float, Quantity("number", 0.01, 10.0)] = 0.5
     """alpha of the moment of inertia alpha M R2 about the centre of mass: 0.5 for a disc, 1 for a ring"""
-    com: Vector2 = (0.0, 0.0)
-    """centre of mass in base_link: forwards, and to the left"""
+    com: Vector2 | None = None
+    """centre of mass in base_link, forwards and to the left; unless stated, in the middle of its wheels"""
     height: Annotated[float, Quantity("length", "0mm", "5m")] = 0.0
     """height of the centre of mass"""
 
@@ -200,7 +200,7 @@ def _one_by_one(given: Mapping[str, Any], info: ValidationInfo) -> BaseSource:
             raise refuse(("wheels",), f"{table!r} came; names need an arrangement, or give each wheel as a table")
         wheels.append(Wheel.at(**table.model_dump()))
     return BaseSource("", None, WheelBase(
-        wheels, name="base", alpha=body.mass_distribution, mass=body.mass, com=body.com,
+        wheels, name="base", alpha=body.mass_distribution, mass=body.mass, com=_com(body, wheels),
         com_height=body.height,
     ))  # fmt: skip
 
@@ -243,6 +243,14 @@ def _renamed(made: WheelBase, body: BodyTable) -> list[Wheel]:
     return [dataclasses.replace(wheel, name=str(next(left))) if wheel.driven else wheel for wheel in made.wheels]
 
 
+def _com(body: BodyTable, wheels: Sequence[Wheel]) -> tuple[float, float]:
+    """The centre of mass; where none is stated, the mean of the wheels' places, so that the base stands."""
+    if body.com is not None:
+        return body.com
+    x, y = (sum(values) / len(wheels) for values in zip(*((w.x, w.y) for w in wheels), strict=True))
+    return (0.0 if abs(x) < 1e-12 else x), (0.0 if abs(y) < 1e-12 else y)
+
+
 def _built(made: WheelBase, wheels: list[Wheel], body: BodyTable) -> WheelBase:
     groups = {
         name: [wheels[i].name for i in group] for name, group in zip(made.steered, made.layout.groups, strict=True)
@@ -250,7 +258,7 @@ def _built(made: WheelBase, wheels: list[Wheel], body: BodyTable) -> WheelBase:
     shared = {name: group for name, group in groups.items() if len(group) > 1}
     base = WheelBase(
         wheels, name=made.name, radius=made.radius, alpha=body.mass_distribution, mass=body.mass,
-        com=body.com, com_height=body.height, steering_groups=shared,
+        com=_com(body, wheels), com_height=body.height, steering_groups=shared,
     )  # fmt: skip
     rollers = all(wheel.kind == "swedish" for wheel in wheels)
     if rollers and np.linalg.matrix_rank(base.velocity_coupling, tol=1e-6) < 3:
