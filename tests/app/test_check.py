@@ -223,7 +223,7 @@ def test_a_file_of_another_type_is_refused_by_name(tmp_path, capsys, name, what)
     [
         ("cell.toml", b"<robot name='x'/>", "not TOML"),
         ("cell.toml", b"\x89PNG\r\n\x1a\n\xff", "not UTF-8"),
-        ("program.arps", b"\x89PNG\r\n\x1a\n\xff", "not a text in UTF-8"),
+        ("program.arps", b"\x89PNG\r\n\x1a\n\xff", "not UTF-8 text"),
         ("program.arps", b"<robot name='x'/>", "program.arps:1"),
     ],
 )

@@ -179,7 +179,7 @@ def test_spline_points() -> None:
 def test_times_agree_with_toppra(seed: int) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the peer's own
-        ta = pytest.importorskip("toppra", reason="peer toppra is not installed; pip install 'holonom[oracle]'")
+        ta = pytest.importorskip("toppra", reason="peer toppra is not installed; pip install -e '.[oracle]'")
         from toppra import algorithm, constraint
     points, limits = np.random.default_rng(seed).uniform(-1, 1, (6, 4)), limits_of(4, speed=1.5, acceleration=6.0)
     path = joint_spline(points)

@@ -10,7 +10,7 @@ import pytest
 from holonom.errors import InputError, ModelError
 from holonom.mechanics import load_arm
 
-xacro = pytest.importorskip("xacro", reason="xacro is not installed; pip install 'holonom[xacro]'")
+xacro = pytest.importorskip("xacro", reason="xacro is not installed; pip install -e '.[xacro]'")
 
 HEAD = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
 JOINT = (
@@ -178,7 +178,7 @@ def test_missing_file_and_missing_library(tmp_path, write, monkeypatch):
     with pytest.raises(ModelError, match=r"absent\.xacro: no such file"):
         load_arm(tmp_path / "absent.xacro")
     monkeypatch.setitem(sys.modules, "xacro", None)
-    with pytest.raises(InputError, match=r"pip install 'holonom\[xacro\]'"):
+    with pytest.raises(InputError, match=r"pip install -e '.\[xacro\]'"):
         load_arm(write(""))
 
 

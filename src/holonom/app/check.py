@@ -11,8 +11,10 @@ from holonom.errors import InputError
 __all__ = ["check_file", "check_program"]
 
 
-def check_file(path: Path) -> Answer:
+def check_file(path: Path, *, allow_outside: bool = False) -> Answer:
     """Check a program (.arps) by compiling it, or a cell by also planning every motion that it asks for.
+
+    `allow_outside`: what a cell names may lie outside of its folder; so may the location file beside a program.
 
     Raises
     ------
@@ -25,10 +27,10 @@ def check_file(path: Path) -> Answer:
             f"{path}: {_what_came(path)}; holonom check takes a program (.arps) or a cell file (.toml). "
             "A robot description (.urdf, .xacro) is checked when it is loaded: holonom.load_arm(path)"
         )
-    return check(path)
+    return check(path, allow_outside)
 
 
-def check_program(path: Path) -> Answer:
+def check_program(path: Path, allow_outside: bool = False) -> Answer:
     """Check a program (.arps) by compiling it.
 
     Raises
@@ -38,7 +40,7 @@ def check_program(path: Path) -> Answer:
     """
     from holonom.lang import load_program
 
-    program = load_program(path)
+    program = load_program(path, allow_outside=allow_outside)
     names = ", ".join(routine.name for routine in program.routines)
     warnings = [warning.render() for warning in program.warnings]
     lines = [f"{path}: no errors; programs: {names}", *(f"warning: {warning}" for warning in warnings)]
@@ -51,10 +53,10 @@ def _what_came(path: Path) -> str:
     return f"a file of type {path.suffix!r}" if path.suffix else "a file without an ending"
 
 
-def _cell(path: Path) -> Answer:
+def _cell(path: Path, allow_outside: bool) -> Answer:
     from holonom.app.cell.check import check_cell
 
-    return check_cell(path)
+    return check_cell(path, allow_outside=allow_outside)
 
 
-_CHECKS: Mapping[str, Callable[[Path], Answer]] = {".arps": check_program, ".toml": _cell}
+_CHECKS: Mapping[str, Callable[[Path, bool], Answer]] = {".arps": check_program, ".toml": _cell}

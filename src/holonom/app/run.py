@@ -59,6 +59,7 @@ def run_cell(
     seed: int | None = None,
     quiet: bool = True,
     say: Callable[[str], None] = lambda text: None,
+    allow_outside: bool = False,
 ) -> Answer:
     """Run a cell and write `recording.mcap`, `summary.json` and `report.html` into a folder.
 
@@ -72,6 +73,7 @@ def run_cell(
     seed : instead of the cell's own.
     quiet : no progress bar.
     say : takes what programs type.
+    allow_outside : see `load_cell`.
 
     Raises
     ------
@@ -82,7 +84,7 @@ def run_cell(
     Interrupted
         Ctrl-C or SIGTERM. In motion the same is kept; before, nothing; in the making of the report, recordings.
     """
-    cell = load_cell(path)
+    cell = load_cell(path, allow_outside=allow_outside)
     refuse_unsimulated(cell, path)
     job = build_job(cell, path)
     if job.unreachable:

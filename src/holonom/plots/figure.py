@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from holonom.errors import InputError, OutputError
+from holonom.errors import MissingExtra, OutputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,13 +21,13 @@ def new_figure(width: float, height: float) -> Figure:
 
     Raises
     ------
-    InputError
+    MissingExtra
         Matplotlib is not installed.
     """
     try:
         from matplotlib.figure import Figure
     except ImportError:
-        raise InputError("figures need Matplotlib; pip install 'holonom[plots]'") from None
+        raise MissingExtra("a figure", "Matplotlib", "plots") from None
     return Figure(figsize=(width, height), layout="constrained")
 
 

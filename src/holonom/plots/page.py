@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holonom.arrays import Array
-from holonom.errors import InputError, OutputError
+from holonom.errors import MissingExtra, OutputError
 from holonom.mechanics import Arm
 from holonom.mechanics.motion import Trajectory
 from holonom.plots.figure import COLORS
@@ -32,12 +32,12 @@ def arm_page(arm: Arm, q: ArrayLike | Trajectory, *, steps: int = 60, save: str 
 
     Raises
     ------
-    ShapeError, InputError, OutputError
+    ShapeError, MissingExtra, OutputError
     """
     try:
         import plotly.graph_objects as go
     except ImportError:
-        raise InputError("pages need Plotly; pip install 'holonom[plots]'") from None
+        raise MissingExtra("a page", "Plotly", "plots") from None
     rows = configurations(arm, q.q if isinstance(q, Trajectory) else q)
     kept = np.unique(np.linspace(0, len(rows) - 1, min(steps, len(rows))).astype(int))
     T = arm.frames(rows[kept])

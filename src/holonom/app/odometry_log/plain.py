@@ -46,9 +46,10 @@ from holonom.app.fields.toml_lines import key_lines
 from holonom.app.odometry_log.checks import check_motion, check_time, part_names
 from holonom.app.odometry_log.log import OdometryLog
 from holonom.app.odometry_log.mcap_file import JOINTS, ODOMETRY, read_mcap_table
-from holonom.app.odometry_log.table import Table, read_table, read_text
+from holonom.app.odometry_log.table import Table, read_table
 from holonom.arrays import Array
 from holonom.errors import CalibrationError, LogError, OutOfLimits
+from holonom.files import read_text
 from holonom.mobile.calibration import DRIVES, Run, drive_parameters, wheels_of
 from holonom.mobile.odometry import angle_per_tick, count_differences
 
@@ -124,7 +125,7 @@ def read_description(path: Path) -> Description:
     LogError
         File, line and key of every fault.
     """
-    text = read_text(path)
+    text = read_text(path, "description", LogError)
     data = parse_toml(path, text, LogError, example='drive = "differential"')
     try:
         description = Description.model_validate(data)

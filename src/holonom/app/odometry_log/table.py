@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import io
 import itertools
 from collections.abc import Sequence
@@ -14,8 +13,9 @@ import numpy as np
 
 from holonom.arrays import Array
 from holonom.errors import LogError
+from holonom.files import check_lines, read_text
 
-__all__ = ["Table", "read_table", "read_text"]
+__all__ = ["Table", "read_table"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,25 +47,6 @@ class Table:
         raise LogError(f"{self.path}:{self.lines[row]}: column {column + 1} ({name}): {text}")
 
 
-def read_text(path: Path) -> str:
-    """Text of a file, unpacked if its name ends in .gz.
-
-    Raises
-    ------
-    LogError
-        It cannot be read, unpacked or is no UTF-8 text.
-    """
-    try:
-        raw = path.read_bytes()
-        return (gzip.decompress(raw) if path.suffix == ".gz" else raw).decode("utf-8-sig")
-    except FileNotFoundError:
-        raise LogError(f"{path}: there is no such file; give the path of a log") from None
-    except UnicodeDecodeError:
-        raise LogError(f"{path}: not UTF-8 text; save the log as CSV in UTF-8") from None
-    except (OSError, EOFError) as error:
-        raise LogError(f"{path}: cannot be read ({error}); give another copy of the log") from None
-
-
 def read_table(path: Path, names: Sequence[str] | None = None) -> Table:
     """Read a CSV file of finite numbers, separated by commas.
 
@@ -79,7 +60,8 @@ def read_table(path: Path, names: Sequence[str] | None = None) -> Table:
     LogError
         File, line and column of what is no finite number, of rows that are too long or too short, an empty file.
     """
-    text = read_text(path)
+    text = read_text(path, "log", LogError)
+    check_lines(text, path, LogError)
     lines = [number for number, line in enumerate(text.splitlines(), start=1) if line.strip()]
     body = text
     if names is None:

@@ -12,10 +12,11 @@ import numpy as np
 
 from holonom.arrays import Array
 from holonom.errors import ModelError, UnknownName
+from holonom.files import read_bytes
 from holonom.model.arm import ArmModel, Body, Frame, Joint, Mimic, Motor, constant_transform
 from holonom.model.compound import frame_along, joints_of
 from holonom.model.joint_kinds import kind_of
-from holonom.model.urdf.elements import MAX_BYTES, Element, fault, parse_xml
+from holonom.model.urdf.elements import Element, fault, parse_xml
 from holonom.model.urdf.inertia import check_inertias, fixed_together
 from holonom.model.urdf.parts import UrdfJoint, UrdfLink, read_joint, read_link
 from holonom.model.urdf.transmission import read_motors
@@ -66,16 +67,8 @@ def read_urdf(
     if isinstance(source, str) and "<" in source:
         robot = parse_xml(source, "URDF text")
     else:
-        robot = parse_xml(_bytes_of(Path(source)), str(source))
+        robot = parse_xml(read_bytes(source, "robot", ModelError), str(source))
     return arm_model_from_urdf(robot, root=root, tip=tip, check_inertia=check_inertia)
-
-
-def _bytes_of(path: Path) -> bytes:
-    try:
-        with path.open("rb") as file:
-            return file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise ModelError(f"{path}: cannot be read ({error.strerror}); give a URDF file or its text") from None
 
 
 def arm_model_from_urdf(
