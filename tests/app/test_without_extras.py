@@ -52,7 +52,7 @@ def test_a_base_cell_and_the_tables() -> None:
     assert alone("methods").returncode == 0
     done = alone("doctor")
     assert done.returncode == 0
-    assert "pip install holonom" not in done.stdout
+    assert "in the clone, pip install -e" in done.stdout
 
 
 def test_a_photograph_names_its_extra() -> None:

@@ -26,7 +26,7 @@ from holonom.app.report.reporting import report_html
 from holonom.app.report.source import source_of
 from holonom.app.rig import Ended, Ending, Rig, simulated
 from holonom.control import CONTROLLERS
-from holonom.errors import ProgramError
+from holonom.errors import InputError, OutputFault, ProgramError
 
 __all__ = ["run_cell"]
 
@@ -193,7 +193,10 @@ def _tell(runs: list[Done], folder: RunFolder) -> Answer:
     Interrupted
         The operator stopped it.
     """
-    source = source_of(folder.path / RECORDING)
+    try:
+        source = source_of(folder.path / RECORDING)
+    except InputError as error:  # somebody removed it, or the disk failed
+        raise OutputFault(f"the run ended, and its recording cannot be read again: {error}") from error
     folder.write(REPORT, report_html(source))
     summary = summary_of(source)
     folder.write(SUMMARY, json.dumps(summary, indent=2, allow_nan=False) + "\n")

@@ -14,11 +14,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from mcap.exceptions import McapError
-from mcap.reader import make_reader
 from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
 from mcap.writer import CompressionType, Writer
-from zstandard import ZstdError
 
 from holonom.app.odometry_log.table import Table
 from holonom.app.recording.format.cdr import ENCAPSULATION, CdrReader
@@ -30,9 +27,11 @@ from holonom.app.recording.format.messages import (
     odometry_plane,
     odometry_values,
 )
+from holonom.app.recording.format.pieces import read_pieces
 from holonom.app.recording.format.schemas import schema_text
+from holonom.app.recording.format.topic_messages import Messages, Stream
 from holonom.arrays import Array
-from holonom.errors import LogError, OutputError
+from holonom.errors import InputError, LogError, OutputError
 from holonom.mobile.calibration import Run, wheels_of
 
 __all__ = ["JOINTS", "ODOMETRY", "read_mcap_table", "write_mcap"]
@@ -40,7 +39,7 @@ __all__ = ["JOINTS", "ODOMETRY", "read_mcap_table", "write_mcap"]
 
 JOINTS, ODOMETRY = "sensor_msgs/JointState", "nav_msgs/Odometry"
 SUFFIX = "_steering"
-DAMAGED = (McapError, ZstdError, struct.error, ValueError, KeyError, IndexError)  # what broken files raise
+DAMAGED = (struct.error, ValueError, IndexError)  # what broken files raise
 
 
 def read_mcap_table(
@@ -65,7 +64,7 @@ def read_mcap_table(
     LogError
         No MCAP file, another encoding, no joints, or joints without the drive's wheels.
     """
-    messages = _messages(path, topics or {})
+    messages, notes = _messages(path, topics or {})
     if not messages.get(JOINTS):
         raise LogError(f"{path}: no {JOINTS} messages; record the wheels' angles as joint states")
     joints = [_joint_message(path, data) for data in messages[JOINTS]]
@@ -87,7 +86,7 @@ def read_mcap_table(
         columns = (*columns, "x", "y", "theta")
     if len(values) < 2:
         raise LogError(f"{path}: {len(values)} samples; two or more are expected: the run was not recorded")
-    table = Table(path, columns, values, range(1, len(values) + 1))
+    table = Table(path, columns, values, range(1, len(values) + 1), tuple(notes))
     bad = np.argwhere(~np.isfinite(values))
     if len(bad):
         table.fault(int(bad[0, 0]), columns[bad[0, 1]], "NaN or infinity came; finite numbers are expected")
@@ -144,28 +143,23 @@ def _channel(writer: Writer, topic: str, kind: str) -> int:
     return writer.register_channel(topic, MessageEncoding.CDR, schema)
 
 
-def _messages(path: Path, named: Mapping[str, str | None]) -> Mapping[str, list[bytes]]:
-    """Messages of the named, or first, topic of each type."""
+def _messages(path: Path, named: Mapping[str, str | None]) -> tuple[Mapping[str, list[bytes]], list[str]]:
+    """Messages of the named, or first, topic of each type, as far as they can be read, and what is missing."""
     found: dict[str, list[bytes]] = defaultdict(list)
     topics = {kind: topic for kind, topic in named.items() if topic is not None}
+
+    def take(stream: Stream, messages: Messages) -> None:
+        if stream.type in (JOINTS, ODOMETRY) and topics.setdefault(stream.type, stream.topic) == stream.topic:
+            found[stream.type] += messages
+
     try:
-        with path.open("rb") as stream:
-            for schema, channel, message in make_reader(stream).iter_messages():
-                kind = "" if schema is None else schema.name.replace("/msg/", "/")
-                if kind not in (JOINTS, ODOMETRY) or topics.setdefault(kind, channel.topic) != channel.topic:
-                    continue
-                if channel.message_encoding != MessageEncoding.CDR or message.data[:4] != ENCAPSULATION:
-                    raise LogError(f"{path}: {channel.topic} is not in little-endian CDR; record it with ROS 2")
-                found[kind].append(message.data)
-    except FileNotFoundError:
-        raise LogError(f"{path}: there is no such file; give the path of a log") from None
-    except LogError:
-        raise
-    except (OSError, *DAMAGED) as error:
-        raise LogError(
-            f"{path}: no MCAP file that can be read ({error or type(error).__name__}); record it again"
-        ) from None
-    return found
+        pieces = read_pieces(path, take)
+    except InputError as error:
+        raise LogError(str(error)) from None
+    for kind, messages in found.items():
+        if any(message[: len(ENCAPSULATION)] != ENCAPSULATION for message in messages):
+            raise LogError(f"{path}: {topics[kind]} is not in little-endian CDR; record it with ROS 2")
+    return found, [f"{path} is damaged or cut off, missing is {missing.text()}" for missing in pieces.missing]
 
 
 def _joint_message(path: Path, data: bytes) -> JointMessage:

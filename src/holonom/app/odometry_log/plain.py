@@ -181,6 +181,7 @@ def read_runs(path: Path, description: Description, *, allow_gaps: bool = False)
     _check_columns(table, columns)
     running = units.wheels in ("counts", "angle")
     parts, notes = check_time(table, allow_gaps=allow_gaps, running=running)
+    notes = (*table.notes, *notes)
     runs = []
     for name, part in zip(part_names(path, len(parts)), parts, strict=True):
         run, doubts = _read_part(name, part, description, units, first=part.lines[0] == table.lines[0])

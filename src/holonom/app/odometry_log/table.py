@@ -20,12 +20,13 @@ __all__ = ["Table", "read_table"]
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Columns of numbers: `values` (N, k), their `names` (k,), where they came from."""
+    """Columns of numbers: `values` (N, k), their `names` (k,), where they came from, what is to be said of them."""
 
     path: Path
     names: tuple[str, ...]
     values: Array
     lines: Sequence[int]
+    notes: tuple[str, ...] = ()
 
     def column(self, name: str) -> Array:
         """(N,) of a name that is there."""

@@ -16,6 +16,7 @@ Topics are those of `signals.TOPICS`, all stamped with simulated time, each ther
 `topics_table` lists them.
 """
 
+from holonom.app.recording.format.missing import Missing
 from holonom.app.recording.listing import topics_table
 from holonom.app.recording.reader import read_recording, read_robots
 from holonom.app.recording.recorder import Recorder
@@ -41,6 +42,7 @@ __all__ = [
     "FrameTrack",
     "InertialTrack",
     "JointTrack",
+    "Missing",
     "Recorder",
     "Recording",
     "Track",

@@ -138,7 +138,7 @@ class CdrWriter:
 
 
 class CdrReader:
-    """Walks through one message; the counterpart of `CdrWriter`."""
+    """Walks through one message; the counterpart of `CdrWriter`. What reaches beyond its end is a `ValueError`."""
 
     __slots__ = ("_at", "_data")
 
@@ -148,20 +148,16 @@ class CdrReader:
 
     def byte(self) -> int:
         """One byte."""
-        self._at += 1
-        return self._data[self._at - 1]
+        return self._taken(1)[0]
 
     def uint32(self) -> int:
         """A 32-bit unsigned number."""
         self._align(4)
-        self._at += 4
-        return int.from_bytes(self._data[self._at - 4 : self._at], "little")
+        return int.from_bytes(self._taken(4), "little")
 
     def text(self) -> str:
         """A string."""
-        size = self.uint32()
-        self._at += size
-        return self._data[self._at - size : self._at - 1].decode()
+        return self._taken(self.uint32())[:-1].decode()
 
     def stamp(self) -> int:
         """A time stamp in nanoseconds."""
@@ -171,7 +167,13 @@ class CdrReader:
         """Pass over `count` doubles."""
         if count:
             self._align(8)
-            self._at += 8 * count
+            self._taken(8 * count)
+
+    def _taken(self, size: int) -> bytes:
+        self._at += size
+        if self._at > len(self._data):
+            raise ValueError(f"it has {len(self._data)} bytes and says that it has {self._at} or more")
+        return self._data[self._at - size : self._at]
 
     def _align(self, size: int) -> None:
         self._at += -self._at % size

@@ -71,7 +71,7 @@ def groups_of(given: Messages, kind_of: Callable[[bytes], Any], layout_of: Calla
             layout = layout_of(kind)
             same = layout.matches(rows)
             if not same[0]:
-                raise ValueError("it is not laid out as its type is")
+                raise ValueError("its bytes are others than its counts say")
             groups.append(Group(kind, times[at[same]], layout.unpack(rows[same])))
             at, rows = at[~same], rows[~same]
     return groups

@@ -98,7 +98,10 @@ def array_size(message: bytes) -> int:
     data = CdrReader(message)
     data.uint32()
     data.text()
-    return data.uint32()
+    size = data.uint32()
+    if 8 * size > len(message):
+        raise ValueError(f"it has {len(message)} bytes and says that it holds {size} numbers")
+    return size
 
 
 def transform_layout(frames: Sequence[tuple[str, str]]) -> Layout:
@@ -199,7 +202,7 @@ def log_event(message: bytes) -> Event:
     data.text()
     data.text()
     line = data.uint32()
-    level = next(name for name, value in LEVELS.items() if value == number)
+    level = next((name for name, value in reversed(LEVELS.items()) if value <= number), "debug")
     return Event(nanoseconds / 1e9, level, source, text.removesuffix(_line_note(line)), line)
 
 

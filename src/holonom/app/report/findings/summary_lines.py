@@ -24,11 +24,13 @@ def summary_lines(source: Source, summary: Mapping[str, Any]) -> list[str]:
         lines.append(f"{sum(summary['placed'].values())} of {summary['parts']} parts in the tray: {fields}")
     for name, robot in summary.get("robots", {"": summary}).items():
         lines += [one_line(f"{name}: {line}" if name else line) for line in _robot(robot)]
-    return [*lines, *(one_line(f"note: {note}") for note in summary["notes"])]
+    lost = _some([f"missing from the recording: {text}" for text in source.lost])
+    return [*lines, *map(one_line, lost), *(one_line(f"note: {note}") for note in summary["notes"])]
 
 
 def _robot(robot: Mapping[str, Any]) -> list[str]:
     sorts = (
+        [f"what came of it cannot be told ({robot['untold']})"] if "untold" in robot else [],
         [_tracking(phase) for phase in robot.get("tracking") or ()],
         [_slip(slip) for slip in robot.get("slips", ())],
         [_motor(motor) for motor in robot.get("dead_motors", ())],
