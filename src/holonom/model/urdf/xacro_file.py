@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import signal
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -72,6 +73,8 @@ def _child(file: Path, request: str) -> dict[str, Any]:
     except subprocess.TimeoutExpired:
         raise ModelError(f"{file}: not expanded within {TIME_LIMIT:.0f} s; do its macros call each other?") from None
     except ValueError:
+        if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
+            raise ModelError(f"{file}: not expanded within its time; do its macros call each other?") from None
         last = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
         raise ModelError(f"{file}: the expansion broke off ({' '.join(last) or done.returncode})") from None
     return answer
