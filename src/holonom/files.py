@@ -24,6 +24,7 @@ __all__ = [
     "NESTING",
     "Kind",
     "check_lines",
+    "is_file",
     "is_inside",
     "read_bytes",
     "read_text",
@@ -32,8 +33,8 @@ __all__ = [
 MIB = 1 << 20
 NESTING = 100
 """How deep tables, brackets, blocks and elements may stand in each other."""
-DIGITS = 400
-"""Digits of a number: a double has no more than 309 before its point."""
+DIGITS = 300
+"""Characters of a number or a bare name: a double has no more than 309 digits before its point."""
 LINES = 2_000_000
 """Lines of a table of numbers."""
 LINE_LENGTH = 20_000
@@ -116,6 +117,14 @@ def check_lines(text: str, file: str | Path, problem: type[InputError] = Program
             raise problem(
                 f"{file}:{number}: {len(line)} characters in a line; at most {LINE_LENGTH} are read: split it"
             )
+
+
+def is_file(path: str | Path) -> bool:
+    """Whether a file is there; not of a name that no system takes."""
+    try:
+        return Path(path).is_file()
+    except (OSError, ValueError):
+        return False
 
 
 def is_inside(path: str | Path, folder: str | Path) -> bool:

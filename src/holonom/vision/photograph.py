@@ -53,8 +53,12 @@ def _check_size(file: Path, width: int, height: int) -> None:
 
 
 def _decoded(data: Grey) -> Grey | None:
+    level = cv2.utils.logging.getLogLevel()
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)  # what is wrong is said by us
     try:
         image = cv2.imdecode(data, cv2.IMREAD_GRAYSCALE)
     except (cv2.error, MemoryError):
         return None
+    finally:
+        cv2.utils.logging.setLogLevel(level)
     return None if image is None else image.astype(np.uint8)

@@ -7,6 +7,7 @@ Any other exception is a defect and shows its traceback.
 
 from __future__ import annotations
 
+import errno
 import json
 import sys
 from collections.abc import Mapping, Sequence
@@ -17,11 +18,13 @@ from holonom.app.console.interrupts import INTERRUPTED, Interrupted
 from holonom.app.console.pipes import BROKEN, drop_unread
 from holonom.app.console.printable import say
 from holonom.app.console.usage import find_command, show_help
-from holonom.errors import HolonomError, InputError, RunError
+from holonom.errors import HolonomError, InputError, RunError, UsageError
 
 __all__ = ["main"]
 
 BAD_INPUT, FAILED = 2, 1
+NO_PATH = (errno.ENAMETOOLONG, errno.ELOOP, errno.ENOTDIR)
+"""What the system says of a path that none can be, wherever it is first looked at."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -60,6 +63,10 @@ def _status(words: Sequence[str]) -> int:
         return _fail(error, BAD_INPUT, as_json=as_json)
     except RunError as error:
         return _fail(error, FAILED, as_json=as_json)
+    except OSError as error:
+        if error.errno not in NO_PATH:
+            raise
+        return _fail(UsageError(f"{error.filename}: {error.strerror}; give another path"), BAD_INPUT, as_json=as_json)
     except KeyboardInterrupt as stop:
         say(str(stop if isinstance(stop, Interrupted) else Interrupted()), error=True)
         return INTERRUPTED

@@ -12,7 +12,7 @@ from pydantic_core import core_schema
 
 from holonom.app.fields.units import DIMENSIONS, parse_quantity
 from holonom.errors import CellError, OutOfLimits, UnknownName
-from holonom.files import is_inside
+from holonom.files import is_file, is_inside
 
 __all__ = [
     "Angle",
@@ -83,7 +83,7 @@ class ExistingFile:
                 f"{name!r} leads out of the cell's folder {folder}; copy the file into it, or run with --allow-outside "
                 "if you mean it"
             )
-        if "\0" in name or not (folder / name).is_file():
+        if not is_file(folder / name):
             raise CellError(f"no file {name!r} in {folder}; put it there or give its path relative to the cell file")
         return folder / name
 

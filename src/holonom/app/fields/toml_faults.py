@@ -133,15 +133,20 @@ def explained(
 
 def _description(model: type[BaseModel], loc: KeyPath) -> str:
     """What the schema says about the innermost key of a path."""
-    keys = [number for number, part in enumerate(loc) if isinstance(part, str)]
-    field = _model_at(model, loc[: keys[-1]]).model_fields[str(loc[keys[-1]])]
-    return field.description or ""
+    description = ""
+    for part in (part for part in loc if isinstance(part, str)):
+        field = model.model_fields.get(part)
+        if field is None:  # a key of a table of any keys
+            break
+        description = field.description or ""
+        model = _model_in(field.annotation) or model
+    return description
 
 
 def _model_at(model: type[BaseModel], loc: KeyPath) -> type[BaseModel]:
     """The model of the table that a path leads to."""
     for part in loc:
-        if isinstance(part, str):
+        if isinstance(part, str) and part in model.model_fields:
             model = _model_in(model.model_fields[part].annotation) or model
     return model
 
