@@ -31,13 +31,18 @@ __all__ = [
     "Event",
     "FramePoses",
     "FrameTree",
+    "FixedFrames",
     "Inertial",
     "JointCommand",
     "JointState",
     "JointTruth",
     "Kind",
+    "Marker",
+    "Markers",
+    "Photograph",
     "Reading",
     "Record",
+    "RobotDescription",
     "Signal",
     "Sink",
     "Topic",
@@ -175,6 +180,44 @@ class FrameTree(Record):
 
 
 @dataclass(frozen=True, slots=True)
+class FixedFrames(FrameTree):
+    """Frames that never move in their parents."""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotDescription(Record):
+    """A robot as URDF; its links are called as frames are, its joints as those of the joint states."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Photograph(Record):
+    """What a camera took: an image file, and its format ("png")."""
+
+    data: bytes
+    format: str
+
+
+@dataclass(frozen=True, slots=True)
+class Marker:
+    """A thing to look at, that moves with a frame: a "cylinder" or "cube" of a size (m), its middle at T_fm (4, 4)."""
+
+    frame: str
+    shape: str
+    pose: Array
+    size: tuple[float, float, float]
+    colour: tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Markers(Record):
+    """Things to look at, named by their frames."""
+
+    markers: tuple[Marker, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Reading(Record):
     """What a sensor of a cell measures: its name, and numbers (k,) in its own units."""
 
@@ -192,21 +235,23 @@ class Signal(Record):
 
 @dataclass(frozen=True, slots=True)
 class Event(Record):
-    """Something worth a line in the log. `level`: "debug", "info", "warning" or "error"."""
+    """A line in the log. `level`: "debug", "info", "warning" or "error"; `line` of the program in the file `file`."""
 
     level: str
     source: str
     text: str
     line: int = 0
+    file: str = ""
 
 
 class Kind(StrEnum):
-    """Where a signal comes from. Words of the log are none of the four: `LOG`."""
+    """Where a signal comes from; `STATED`: from the cell. Words of the log are none of these: `LOG`."""
 
     MEASURED = "measured"
     COMMANDED = "commanded"
     ESTIMATED = "estimated"
     TRUTH = "truth"
+    STATED = "stated"
     LOG = "log"
 
 
@@ -227,6 +272,8 @@ class Topic:
         What it is: units of the fields in their order, joined by commas; frame that numbers are given in, or "".
     shared
         One topic for all robots; frames are then called `<robot>/<frame>`, and sources of events `<robot>.<source>`.
+    kept
+        Whether it is said once, for whoever listens later, too.
     """
 
     name: str
@@ -238,6 +285,7 @@ class Topic:
     frame: str
     meaning: str
     shared: bool = False
+    kept: bool = False
 
 
 _STATE = ("position", "velocity", "effort")
@@ -313,6 +361,22 @@ TOPICS: tuple[Topic, ...] = (
         "every frame as it is", shared=True,
     ),
     Topic(
+        "/tf_static", FixedFrames, ("parents", "names", "poses"), _FRAMES, Kind.STATED, "m", "each frame's parent",
+        "frames that do not move in their parents: where arms, surfaces and trays stand", shared=True, kept=True,
+    ),
+    Topic(
+        "/robot_description", RobotDescription, ("text",), "std_msgs/String", Kind.STATED, "", "",
+        "an arm as URDF; its links are the frames, its joints those of `/joint_states`", kept=True,
+    ),
+    Topic(
+        "/measured/photograph", Photograph, ("data", "format"), "sensor_msgs/CompressedImage", _MEASURED, "", "world",
+        "what the camera took", shared=True, kept=True,
+    ),
+    Topic(
+        "/truth/parts", Markers, ("markers",), "visualization_msgs/MarkerArray", _TRUTH, "m", "each part's frame",
+        "parts and obstacles as they are; they move with their frames", shared=True, kept=True,
+    ),
+    Topic(
         "/truth/tool_pose", FramePoses, ("poses",), _POSE, _TRUTH, "m", "world", "the tool's frame as it is",
     ),
     Topic(
@@ -324,8 +388,8 @@ TOPICS: tuple[Topic, ...] = (
         "a digital signal: its state at the start, and each time it changes",
     ),
     Topic(
-        "/rosout", Event, ("level", "source", "text", "line"), "rcl_interfaces/Log", Kind.LOG, "", "",
-        "events, with the program line", shared=True,
+        "/rosout", Event, ("level", "source", "text", "line", "file"), "rcl_interfaces/Log", Kind.LOG, "", "",
+        "events, with program file and line", shared=True,
     ),
 )  # fmt: skip
 """Every signal there is."""

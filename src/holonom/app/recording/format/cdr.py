@@ -98,6 +98,18 @@ class CdrWriter:
         self._data += struct.pack("<I", value)
         return self
 
+    def float32(self, value: float) -> CdrWriter:
+        """A number of 32 bits."""
+        self._align(4)
+        self._data += struct.pack("<f", value)
+        return self
+
+    def blob(self, value: bytes) -> CdrWriter:
+        """Bytes, after their count."""
+        self.uint32(len(value))
+        self._data += value
+        return self
+
     def text(self, value: str) -> CdrWriter:
         """A string: its length in bytes with the closing zero, then the bytes."""
         encoded = value.encode() + b"\0"
@@ -162,6 +174,10 @@ class CdrReader:
     def stamp(self) -> int:
         """A time stamp in nanoseconds."""
         return self.uint32() * _SECOND + self.uint32()
+
+    def blob(self) -> bytes:
+        """Bytes, after their count."""
+        return self._taken(self.uint32())
 
     def skip_doubles(self, count: int) -> None:
         """Pass over `count` doubles."""

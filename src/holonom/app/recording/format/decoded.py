@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections import defaultdict
+from dataclasses import replace
 
 import numpy as np
 
@@ -88,7 +89,10 @@ class Decoded:
                 times.append(time)
                 frames += [(key, time, values[:, 7 * i : 7 * i + 7]) for i, key in enumerate(names)]
             return Track(np.unique(np.concatenate(times)), {}), frames, ()
-        events = tuple(map(log_event, messages)) if row.type == LOG else ()
+        events: tuple[Event, ...] = ()
+        if row.type == LOG:  # its own stamps count from the clock's zero
+            seconds = messages.seconds().tolist()
+            events = tuple(replace(log_event(m), time=t) for m, t in zip(messages, seconds, strict=True))
         return CODECS[row.type].decode(row, messages), [], events
 
     def _sort_out(self, messages: Messages, error: Exception) -> None:

@@ -27,11 +27,13 @@ from holonom.app.recording.format.missing import Missing
 from holonom.app.recording.format.topic_messages import Messages, Stream
 from holonom.errors import InputError
 
-__all__ = ["Pieces", "Taker", "read_pieces"]
+__all__ = ["CLOCK", "ZERO", "Pieces", "Taker", "read_pieces"]
 
 BLOCK = 8_000_000
 """Bytes of one topic that are held before they are made into arrays: an hour of messages is ten times its arrays."""
 CDR = "cdr"
+CLOCK, ZERO = "clock", "zero_ns"
+"""Words that say which stamp, ns, is the beginning of simulated time."""
 LATEST = 2**63
 """ns; no clock gets there."""
 BROKEN = (struct.error, ValueError)
@@ -102,6 +104,7 @@ class _Taking:
     def __init__(self, take: Taker) -> None:
         self._take = take
         self._pieces = Pieces()
+        self._zero = 0
         self._schemas: dict[int, str] = {}
         self._channels: dict[int, Stream | None] = {}
 
@@ -154,9 +157,9 @@ class _Taking:
             raise ValueError("a time after the year 2262")
         stream = self._channels[channel]
         if stream is not None:
-            self._pieces.reach(time / 1e9)
+            self._pieces.reach((time - self._zero) / 1e9)
             messages = self._pieces.topics[stream]
-            messages.add(time, body[MESSAGE_HEAD.size :])
+            messages.add(time - self._zero, body[MESSAGE_HEAD.size :])
             if messages.size > BLOCK:
                 self._hand_over(stream)
 
@@ -170,6 +173,8 @@ class _Taking:
     def _metadata(self, body: memoryview) -> None:
         name, at = text_at(body, 0)
         self._pieces.metadata[name] = pairs_at(body, at)
+        if name == CLOCK:
+            self._zero = int(self._pieces.metadata[name].get(ZERO, "0"))
 
     def _hand_over(self, stream: Stream) -> None:
         messages = self._pieces.topics[stream]
