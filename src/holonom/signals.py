@@ -29,9 +29,9 @@ __all__ = [
     "DriveTruth",
     "EncoderCounts",
     "Event",
+    "FixedFrames",
     "FramePoses",
     "FrameTree",
-    "FixedFrames",
     "Inertial",
     "JointCommand",
     "JointState",
@@ -169,10 +169,7 @@ class FramePoses(Record):
 
 @dataclass(frozen=True, slots=True)
 class FrameTree(Record):
-    """Frames as the controller believes them, each in its parent: `poses` (k, 4, 4), T_px for each parent and name.
-
-    Of a mobile base (REP 105): map, odom, base_link, and what is fixed or moves on it.
-    """
+    """Frames as the controller believes them, each in its parent: `poses` (k, 4, 4), T_px for each parent and name."""
 
     parents: tuple[str, ...]
     names: tuple[str, ...]

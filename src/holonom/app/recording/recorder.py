@@ -29,7 +29,7 @@ KEPT = (
     "  lifespan: {sec: 2147483647, nsec: 4294967295}\n  liveliness: 1\n"
     "  liveliness_lease_duration: {sec: 2147483647, nsec: 4294967295}\n  avoid_ros_namespace_conventions: false\n"
 )
-"""Quality of service of what is said once: kept for whoever subscribes later (transient local), as rosbag2 writes it."""
+"""Quality of service of what is said once: kept for who subscribes later (transient local), as rosbag2 writes it."""
 PIECE = 100_000_000
 """Simulated time, ns, after which what was recorded is handed to the operating system; a killed run loses no more."""
 
@@ -37,9 +37,9 @@ PIECE = 100_000_000
 class Recorder:
     """A `signals.Sink` that writes an MCAP file of ROS 2 messages.
 
-    The file holds simulated time only, from `EPOCH` on, so that equal runs give equal files, to the byte. Use it as a context
-    manager: the file is complete however the block is left. It grows by a chunk for each 0.1 s of simulated time, so
-    that what a killed process leaves can be read up to there.
+    The file holds simulated time only, from `EPOCH` on, so that equal runs give equal files, to the byte. Use it as a
+    context manager: the file is complete however the block is left. It grows by a chunk for each 0.1 s of simulated
+    time, so that what a killed process leaves can be read up to there.
 
     Parameters
     ----------

@@ -78,11 +78,15 @@ class Reader:
         self._data, self._search = memoryview(data), data
         self.whole = False
         self._places: tuple[int, ...] = ()
+        self._data_end = len(self._data)
         self.summary = tuple(self._read_summary())
 
     def __iter__(self) -> Iterator[Record | Damage]:
         at, size = len(MAGIC), len(self._data)
         while True:
+            if at >= self._data_end:  # the rest is the summary, which was read
+                self.whole = self._data_end < size
+                return
             code, length = HEAD.unpack_from(self._data, at) if at + HEAD.size <= size else (0, 0)
             start, end = at + HEAD.size, at + HEAD.size + length
             if code == FOOTER_CODE and length == FOOTER.size and bytes(self._data[end : end + len(MAGIC)]) == MAGIC:
@@ -122,7 +126,7 @@ class Reader:
 
     def _next_place(self, start: int, end: int | None = None) -> int | None:
         """Where the next thing begins, from a place on, that looks like a chunk or that the file's index names."""
-        stop, before = len(self._data) if end is None else end, HEAD.size + CHUNK.size
+        stop, before = self._data_end if end is None else end, HEAD.size + CHUNK.size
         found = []
         for mark in MARKS:
             at = self._search.find(mark, start + before, stop)
@@ -131,7 +135,7 @@ class Reader:
             if at >= 0:
                 found.append(at - before)
         known = bisect_left(self._places, start)
-        found += [place for place in self._places[known : known + 1] if place < stop]
+        found += [place for place in self._places[known : known + 1] if end is None or place < end]
         return min(found, default=None)
 
     def _read_summary(self) -> Iterator[Record]:
@@ -144,7 +148,7 @@ class Reader:
             return
         if checksum and zlib.crc32(self._data[begin : size - len(MAGIC) - 4]) != checksum:
             return
-        places = [foot]
+        places, self._data_end = [foot], begin
         for record in _records(self._data[begin:foot]):
             if record.code in (SCHEMA, CHANNEL):
                 yield record

@@ -172,9 +172,11 @@ class _Taking:
 
     def _metadata(self, body: memoryview) -> None:
         name, at = text_at(body, 0)
-        self._pieces.metadata[name] = pairs_at(body, at)
+        words = pairs_at(body, at)
         if name == CLOCK:
-            self._zero = int(self._pieces.metadata[name].get(ZERO, "0"))
+            self._zero = int(words.get(ZERO, "0"))
+        else:
+            self._pieces.metadata[name] = words
 
     def _hand_over(self, stream: Stream) -> None:
         messages = self._pieces.topics[stream]
