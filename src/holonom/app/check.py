@@ -38,13 +38,16 @@ def check_program(path: Path, allow_outside: bool = False) -> Answer:
     ProgramError
         All that was found, a line each.
     """
+    from holonom.app.start.named import cells_that_name
     from holonom.lang import load_program
 
     program = load_program(path, allow_outside=allow_outside)
     names = ", ".join(routine.name for routine in program.routines)
     warnings = [warning.render() for warning in program.warnings]
+    cells = [str(cell) for cell in cells_that_name(path)]
     lines = [f"{path}: no errors; programs: {names}", *(f"warning: {warning}" for warning in warnings)]
-    return Answer("\n".join(lines), {"file": program.file, "kind": "program", "warnings": warnings})
+    lines += [f"note: its motions are checked with the cell that names it: holonom check {cell}" for cell in cells[:1]]
+    return Answer("\n".join(lines), {"file": program.file, "kind": "program", "warnings": warnings, "cells": cells})
 
 
 def _what_came(path: Path) -> str:

@@ -25,6 +25,7 @@ from holonom.app.report.findings.summary_lines import summary_lines
 from holonom.app.report.reporting import report_html
 from holonom.app.report.source import source_of
 from holonom.app.rig import Ended, Ending, Rig, simulated
+from holonom.app.start.named import refuse_other
 from holonom.control import CONTROLLERS
 from holonom.errors import InputError, OutputFault, ProgramError
 
@@ -84,6 +85,7 @@ def run_cell(
     Interrupted
         Ctrl-C or SIGTERM. In motion the same is kept; before, nothing; in the making of the report, recordings.
     """
+    refuse_other(path)
     cell = load_cell(path, allow_outside=allow_outside)
     refuse_unsimulated(cell, path)
     job = build_job(cell, path)

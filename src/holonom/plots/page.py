@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -48,7 +49,7 @@ def arm_page(arm: Arm, q: ArrayLike | Trajectory, *, steps: int = 60, save: str 
     times = rows.shape[0] > 1 and isinstance(q, Trajectory)
     labels = [f"{q.dt * k:.2f} s" if times and isinstance(q, Trajectory) else str(k) for k in kept]
     figure.update_layout(
-        title=arm.model.name,
+        title=escape(arm.model.name),  # Plotly takes some mark-up in titles, links too
         showlegend=False,
         scene=_scene(center, half),
         margin={"l": 0, "r": 0, "t": 40, "b": 20},
