@@ -7,8 +7,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from scipy.optimize import brentq
-
 from holonom.control.kernels import SpeedParams
 from holonom.control.tuning import LoopMargin, ServoAxis
 from holonom.errors import OutOfLimits
@@ -69,6 +67,8 @@ def tune_wheel(axis: ServoAxis, spinning_inertia: float, *, dt: float = 1e-3, ph
     OutOfLimits
         An inertia not in (0, axis.inertia], a sample time that is not positive, a margin not in (0.2, 1.2) rad.
     """
+    from scipy.optimize import brentq  # heavy: on first use
+
     _check(axis, spinning_inertia, dt, phase_margin)
     lag = axis.inductance / axis.resistance
     fastest = OBSERVER_SAMPLES / (OBSERVER_RATIO * dt)
@@ -120,6 +120,8 @@ def _resolvable(axis: ServoAxis, inertia: float) -> float:
 
 
 def _margin(loop: Callable[[float], complex], dt: float) -> LoopMargin:
+    from scipy.optimize import brentq  # heavy: on first use
+
     crossover = brentq(lambda w: abs(loop(w)) - 1.0, 1e-3, math.pi / dt)
     return LoopMargin(crossover, math.pi + cmath.phase(loop(crossover)))
 

@@ -65,5 +65,5 @@ def _obstacle(one: Obstacle) -> Marker:
     if isinstance(one.shape, Box):
         x, y, z = (float(v) for v in one.shape.size)
         return Marker("world", "cube", one.T, (x, y, z), GREY)
-    wide = 2.0 * one.shape.radius  # type: ignore[union-attr]
+    wide = 2.0 * one.shape.radius
     return Marker("world", "cylinder", one.T, (wide, wide, one.shape.height), GREY)

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from holonom.arrays import Array
 from holonom.mechanics.motion.trajectory import STILL, JointLimits, Trajectory, remainder, standstill
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicHermiteSpline
 
 __all__ = ["stop"]
 
@@ -42,6 +46,8 @@ def stop(current: Trajectory, consumed: int, limits: JointLimits) -> Trajectory:
     With Q(tau) the path and r = d tau/dt, qd = Q' r. On a path that keeps the limits an unchanged r keeps them
     too, so at each sample the least r is taken whose change of qd every joint's acceleration allows.
     """
+    from scipy.interpolate import CubicHermiteSpline  # heavy: on first use
+
     rest = remainder(current, consumed)
     dt, end = rest.dt, rest.duration
     if not rest.qd[0].any():
