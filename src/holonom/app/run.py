@@ -185,6 +185,15 @@ def expected_time(job: Job) -> float | None:
     return max([*(arm.hold for arm in job.arms), *(base.task.end for base in job.bases)], default=None)
 
 
+def _unwritten(folder: RunFolder, name: str, content: str) -> list[str]:
+    """Write a file; what went wrong, in a line: how the run ended is to be told all the same."""
+    try:
+        folder.write(name, content)
+    except OutputFault as fault:
+        return [str(fault)]
+    return []
+
+
 def _tell(runs: list[Done], folder: RunFolder) -> Answer:
     """Make summary and report from the recordings; say, or raise, how it went.
 
@@ -199,15 +208,17 @@ def _tell(runs: list[Done], folder: RunFolder) -> Answer:
         source = source_of(folder.path / RECORDING)
     except InputError as error:  # somebody removed it, or the disk failed
         raise OutputFault(f"the run ended, and its recording cannot be read again: {error}") from error
-    folder.write(REPORT, report_html(source))
     summary = summary_of(source)
-    folder.write(SUMMARY, json.dumps(summary, indent=2, allow_nan=False) + "\n")
-    last, lines = runs[-1].ended, summary_lines(source, summary)
+    told = json.dumps(summary, indent=2, allow_nan=False) + "\n"
+    unwritten = [*_unwritten(folder, REPORT, report_html(source)), *_unwritten(folder, SUMMARY, told)]
+    last, lines = runs[-1].ended, [*summary_lines(source, summary), *unwritten]
     if last.ending is Ending.FAILED and last.fault is not None:
         what = "\n".join([str(last.fault), *(f"  {line}" for line in lines[1:])])
         raise type(last.fault)(f"{what}\n  what was recorded until then is in {folder.path}") from last.fault
     if last.ending is Ending.STOPPED:
         raise Interrupted
+    if unwritten:
+        raise OutputFault("\n".join(lines))
     pace = round(runs[0].pace, 1)  # of the wall clock: not in the summary, which equal runs have in common
     lines = [f"{lines[0]}, {pace:g} x real time", *lines[1:], f"report: {folder.path / REPORT}"]
     return Answer("\n".join(lines), summary | {"real_time_factor": pace})
