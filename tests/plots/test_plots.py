@@ -170,3 +170,12 @@ def test_bad_input(puma: Arm, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setitem(sys.modules, "plotly.graph_objects", None)
     with pytest.raises(InputError, match=r"a page needs Plotly"):
         arm_page(puma, Q)
+
+
+def test_a_name_with_dollars_is_no_formula(tmp_path: Path) -> None:
+    """Matplotlib would refuse $\\frac$: it is unfinished."""
+    arm = load_arm("planar2r")
+    named = Arm(dataclasses.replace(arm.model, name="price $\\frac$ 5"))
+    figure = draw_arm(named, [0.1, 0.2], save=tmp_path / "arm.png")
+    assert (tmp_path / "arm.png").stat().st_size > 1000
+    assert "$" in figure.axes[0].get_title()

@@ -39,6 +39,11 @@ def saved(figure: Any, save: str | Path | None) -> None:
     OutputError
         The file cannot be written, or its kind is not known.
     """
+    from matplotlib.text import Text
+
+    for text in figure.findobj(Text):  # a dollar in somebody's name is no formula
+        if "$" in text.get_text() and "mathdefault" not in text.get_text():
+            text.set_parse_math(False)
     if save is None:
         return
     try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import itertools
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +17,12 @@ from holonom.errors import LogError
 from holonom.files import check_lines, read_text
 
 __all__ = ["Table", "read_table"]
+
+
+NAME = re.compile(r"[\w .()\[\]/%*^-]{1,64}")
+"""What columns may be called."""
+SHOWN = 24
+"""Characters of a cell that a message shows; no number has more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +97,8 @@ def _check_header(path: Path, names: Sequence[str]) -> None:
     for column, name in enumerate(names, start=1):
         if not name or _is_number(name):
             raise LogError(f"{path}:1: column {column}: {name!r} is no name; the first line names the columns")
+        if not NAME.fullmatch(name):  # perhaps another file: none of it is shown
+            raise LogError(f"{path}:1: column {column} has no name of letters, digits and signs; is it a log?")
         if name in seen:
             raise LogError(f"{path}:1: column {column}: there are two columns {name!r}; name each once")
         seen.add(name)
@@ -113,9 +122,9 @@ def _find_fault(path: Path, text: str, lines: Sequence[int], names: Sequence[str
             raise LogError(f"{path}:{number}: {len(cells)} columns; {len(names)} are expected: {', '.join(names)}")
         for column, (cell, name) in enumerate(zip(cells, names, strict=True), start=1):
             if not _is_number(cell):
-                raise LogError(
-                    f"{path}:{number}: column {column} ({name}): {cell.strip()!r} is no number; repair or cut it"
-                )
+                came = cell.strip()
+                shown = repr(came) if len(came) <= SHOWN else f"a text of {len(came)} characters"
+                raise LogError(f"{path}:{number}: column {column} ({name}): {shown} is no number; repair or cut it")
     raise LogError(f"{path}: not a table of numbers; separate columns with commas, samples with line ends")
 
 
