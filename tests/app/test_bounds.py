@@ -221,7 +221,8 @@ def test_a_coin_of_250_kilometres(tmp_path: Path, capsys: pytest.CaptureFixture[
     said = capsys.readouterr().err
     assert re.search(r"coins\.csv: part \d+ has a diameter of [\d.e+]+ m", said)
     assert "parts of 0.1 mm to 1 m within 100 m are allowed" in said
-    track = '[cell]\nname = "x"\ntime_limit = "1s"\n[[robot]]\nmodel = {{ arrangement = "mecanum", wheelbase = "300mm", track = "{}", '
+    head = '[cell]\nname = "x"\ntime_limit = "1s"\n[[robot]]\n'
+    track = head + 'model = {{ arrangement = "mecanum", wheelbase = "300mm", track = "{}", '
     rest = 'wheel_radius = "50mm", mass = "15kg" }}\nhold = "1s"\n'
     for length in ("250km", "1e308mm", "1e999999999mm"):
         (tmp_path / "base.toml").write_text((track + rest).format(length), "utf-8")
