@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.errors import OutOfLimits, ShapeError
+from holonom.errors import NotFinite, OutOfLimits, ShapeError
 
 __all__ = [
+    "REVOLUTION",
     "Array",
+    "angles",
     "finite",
     "finite_array",
     "is_finite",
@@ -25,6 +27,10 @@ __all__ = [
 
 Array = NDArray[np.float64]
 """Floats of any shape; docstrings say which."""
+
+
+REVOLUTION = 1e15
+"""Largest angle, rad: doubles are 1/8 apart there, and beyond no revolution can be told."""
 
 
 def is_number(value: object) -> bool:
@@ -76,7 +82,7 @@ def finite_array(name: str, value: Any, shape: Sequence[int | str]) -> Array:
         raise ShapeError(f"{name} has shape {array.shape}; it must be ({wanted}), finite")
     if not np.isfinite(array).all():
         at = np.argwhere(~np.isfinite(array))[0]
-        raise ShapeError(f"{name}[{', '.join(map(str, at))}] is {array[tuple(at)]}; it must be finite")
+        raise NotFinite(f"{name}[{', '.join(map(str, at))}] is {array[tuple(at)]}; it must be finite")
     return array
 
 
@@ -89,7 +95,7 @@ def finite(name: str, value: Any) -> Array:
     """
     array = real_array(name, value)
     if not np.isfinite(array).all():
-        raise ShapeError(f"{name} holds {array[~np.isfinite(array)].flat[0]}; finite numbers are needed")
+        raise NotFinite(f"{name} holds {array[~np.isfinite(array)].flat[0]}; finite numbers are needed")
     return array
 
 
@@ -108,7 +114,27 @@ def vectors(name: str, value: Any, width: int, called: Sequence[str] = ()) -> Ar
         *row, k = (int(i) for i in np.argwhere(~np.isfinite(array))[0])
         owner = f" ({called[k]})" if called else ""
         place = f" in row {tuple(row)}" if row else ""
-        raise ShapeError(f"{name}[{k}]{owner} is {array[(*row, k)]}{place}; finite numbers are needed")
+        raise NotFinite(f"{name}[{k}]{owner} is {array[(*row, k)]}{place}; finite numbers are needed")
+    return array
+
+
+def angles(name: str, value: Any, width: int, called: Sequence[str] = ()) -> Array:
+    """Return `value` as float64 (..., width) like `vectors`, of numbers up to `REVOLUTION`.
+
+    Raises
+    ------
+    ShapeError, NotFinite
+        As for `vectors`.
+    OutOfLimits
+        A larger number.
+    """
+    array = vectors(name, value, width, called)
+    if not (np.abs(array) <= REVOLUTION).all():
+        *row, k = (int(i) for i in np.argwhere(np.abs(array) > REVOLUTION)[0])
+        owner = f" ({called[k]})" if called else ""
+        raise OutOfLimits(
+            f"{name}[{k}]{owner} is {array[(*row, k)]:g}: beyond {REVOLUTION:g} whole turns can no longer be told apart"
+        )
     return array
 
 

@@ -96,7 +96,11 @@ class UnknownName(InputError):
 
 
 class ShapeError(InputError):
-    """An array of the wrong shape or type, or one that holds NaN."""
+    """An array of the wrong shape or type."""
+
+
+class NotFinite(ShapeError):
+    """An array that holds NaN or infinity where numbers are needed; the message names the first and its place."""
 
 
 class NotAPose(InputError):

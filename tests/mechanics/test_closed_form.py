@@ -13,7 +13,7 @@ from holonom.errors import InputError, NotAPose, ShapeError
 from holonom.mechanics import Arm, IkCase, IkStatus, arm_from_dh, load_arm
 from holonom.mechanics.equations.inverse.general_arm import quartic_roots
 from holonom.mechanics.kernels.inverse.closed_form import closed_form
-from holonom.model import DHRow, JointLimits, constant_transform
+from holonom.model import DHRow, JointLimits, constant_transform, outside
 
 CLOSED = [arm for arm in presets() if arm.closed_form is not None]
 URDFS = {
@@ -82,7 +82,7 @@ def test_presets_in_batches(arm):
     assert home.min(-1).max() < 1e-6
     best = np.take_along_axis(found.status, home.argmin(-1)[:, None], 1)
     assert (best == IkStatus.OK).mean() > 0.999
-    inside = ((found.q >= limits.lower - 1e-9) & (found.q <= limits.upper + 1e-9)).all(-1)
+    inside = ~outside(found.q, limits.lower, limits.upper).any(-1)
     np.testing.assert_array_equal(inside[reached], (found.status != IkStatus.LIMIT)[reached])
     q, status = solve(arm.model, T[7])
     np.testing.assert_allclose(found.q[7], q, atol=1e-12)

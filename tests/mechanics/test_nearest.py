@@ -6,7 +6,7 @@ from closed_form_arms import three_joint
 
 from holonom.errors import InputError, NotAPose, ShapeError
 from holonom.mechanics import IkStatus, arm_from_dh, load_arm
-from holonom.model import DHRow
+from holonom.model import LIMIT_TOLERANCE, DHRow
 
 
 @pytest.mark.parametrize("threads", [1, 2, 3])
@@ -31,11 +31,14 @@ def test_rows_and_threads_of_the_nearest_branch(threads):
 
 
 def nearest_by_hand(arm, T, q0, weights):
-    """As `Arm.ik_nearest` says it, with NumPy, free joints aside."""
+    """As `Arm.ik_nearest` says it, with NumPy, free joints aside: all whole turns within the limits are tried."""
     found = arm.ik(T)
     turns = np.array([2.0 * np.pi * (joint.kind == "revolute") for joint in arm.model.joints])
-    turned = found.q + turns * np.round((q0[..., None, :] - found.q) / (2.0 * np.pi))
-    q = np.where((turned >= arm.limits.lower) & (turned <= arm.limits.upper), turned, found.q)
+    turned = found.q + turns * np.arange(-4, 5).reshape(-1, *[1] * found.q.ndim)
+    inside = (turned >= arm.limits.lower - LIMIT_TOLERANCE) & (turned <= arm.limits.upper + LIMIT_TOLERANCE)
+    away = np.where(inside, np.abs(turned - q0[..., None, :]), np.inf)
+    best = np.take_along_axis(turned, away.argmin(0)[None], 0)[0]
+    q = np.where(inside.any(0), best, found.q)
     rank = np.array([0.0, 2e6, 1e6, 0.0])[found.status]
     branch = np.argmin((weights * np.abs(q - q0[..., None, :])).max(-1) + rank, axis=-1)
     taken = np.take_along_axis(q, branch[..., None, None], -2)[..., 0, :]

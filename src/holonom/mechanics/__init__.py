@@ -2,6 +2,7 @@
 
 =======================  =====================================================================
 `Arm`, `load_arm`        the everyday verbs: fk, jacobian, ik, inverse_dynamics, ...
+`all_solutions`          of an offset wrist; `swivel_solutions` of seven joints
 `analysis`               manipulability, ellipsoids, named singularities, statics
 `jacobians`              analytic Jacobians, Jacobian rates, Hessian
 `paths`                  closed-form branches along a path
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
         paths,
         velocity,
     )
+    from holonom.mechanics.arm.locked import all_solutions, swivel_solutions
     from holonom.mechanics.simulate import simulate
     from holonom.mechanics.symbolic import formulas as symbolic
 
@@ -50,6 +52,8 @@ _MODULES = (
     "symbolic",
     "velocity",
 )
+_LATE = dict.fromkeys(("all_solutions", "swivel_solutions"), "holonom.mechanics.arm.locked")
+"""Functions whose module is loaded when they are first asked for."""
 __all__ = [
     "Arm",
     "IkCase",
@@ -57,6 +61,7 @@ __all__ = [
     "IkResult",
     "IkStatus",
     "Limits",
+    "all_solutions",
     "analysis",
     "arm_from_dh",
     "dynamics",
@@ -67,6 +72,7 @@ __all__ = [
     "numerical_inverse",
     "paths",
     "simulate",
+    "swivel_solutions",
     "symbolic",
     "velocity",
 ]
@@ -76,4 +82,6 @@ def __getattr__(name: str) -> Any:
     """Load a subject's module on first use."""
     if name in _MODULES:
         return importlib.import_module(f"holonom.mechanics.{name}")
+    if name in _LATE:
+        return getattr(importlib.import_module(_LATE[name]), name)
     raise AttributeError(f"module 'holonom.mechanics' has no attribute {name!r}; it has {', '.join(__all__)}")

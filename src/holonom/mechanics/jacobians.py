@@ -2,13 +2,55 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from holonom.arrays import Array
+from holonom.arrays import Array, vectors
 from holonom.mechanics.arm.arm import Arm
+from holonom.mechanics.kernels.jacobian import frame_named
 from holonom.mechanics.kernels.results import AnalyticJacobian
 
-__all__ = ["AnalyticJacobian", "acceleration_bias", "analytic_jacobian", "jacobian_hessian", "jacobian_rate"]
+__all__ = [
+    "AnalyticJacobian",
+    "acceleration_bias",
+    "analytic_jacobian",
+    "jacobian_hessian",
+    "jacobian_rate",
+    "point_jacobian",
+]
+
+
+def point_jacobian(
+    arm: Arm, q: ArrayLike, point: ArrayLike, *, of: str = "tool", frame: str = "world", threads: int = 1
+) -> Array:
+    """Geometric Jacobian of a point that is fixed to a frame: its velocity is v + w x r (Siciliano 3.1).
+
+    Parameters
+    ----------
+    q : (..., n).
+    point : (..., 3) m, in the frame `of`, a name as for `Arm.fk`.
+    frame : in which v and w are expressed, as for `Arm.jacobian`.
+
+    Returns
+    -------
+    J : (..., 6, n).
+
+    Raises
+    ------
+    ShapeError, NotFinite, UnknownName
+    """
+    p = vectors("point", point, 3)
+    J = arm.jacobian(q, "own", of=of, threads=threads)
+    if p.ndim > 1 and p.shape[:-1] != J.shape[:-2]:
+        lead = np.broadcast_shapes(p.shape[:-1], J.shape[:-2])
+        p, J = np.broadcast_to(p, (*lead, 3)), np.broadcast_to(J, (*lead, *J.shape[-2:]))
+    v = J[..., :3, :] + np.cross(J[..., 3:, :], p[..., :, None], axis=-2)
+    if frame == "own":
+        return np.concatenate([v, J[..., 3:, :]], axis=-2)
+    R = arm.fk(q, of)[..., :3, :3]
+    if frame != "world":
+        R = np.swapaxes(arm.fk(q, frame_named({"frame": frame}))[..., :3, :3], -1, -2) @ R
+    return np.concatenate([R @ v, R @ J[..., 3:, :]], axis=-2)
 
 
 def jacobian_rate(arm: Arm, q: ArrayLike, qd: ArrayLike, frame: str = "world", *, threads: int = 1) -> Array:

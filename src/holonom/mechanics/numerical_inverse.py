@@ -18,7 +18,7 @@ from holonom.mechanics.arm.nearest import joint_vectors
 from holonom.mechanics.equations.criteria import CRITERIA, Criterion
 from holonom.mechanics.kernels.pose import multipliers_kernel
 from holonom.mechanics.kernels.protocol import SolvedArm
-from holonom.model import ArmModel
+from holonom.model import ArmModel, outside, reach
 from holonom.spatial import check_pose
 from holonom.trace import check_threads, share
 
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 __all__ = ["InverseResult", "InverseSolver", "InverseStatus", "inverse_solver", "solve_inverse"]
 
+FAR = 20.0
+"""Width of limits over the arm's reach (half a turn) up to which they say where a joint may be found."""
 LEAST_CHUNK, CHUNKS = 64, 8
 """Poses that a thread takes at a time, at least; else a share of the batch, so that hard poses spread over threads."""
 
@@ -207,9 +209,9 @@ class InverseSolver:
     def _check_limits(self, rows: Array, lead: tuple[int, ...]) -> None:
         """Refuse a start outside the limits."""
         lower, upper = self.chain.lower, self.chain.upper
-        outside = (rows < lower - 1e-9) | (rows > upper + 1e-9)
-        if outside.any():
-            row, k = np.argwhere(outside)[0]
+        beyond = outside(rows, lower, upper)
+        if beyond.any():
+            row, k = np.argwhere(beyond)[0]
             place = f" for pose {tuple(int(i) for i in np.unravel_index(row, lead))}" if lead else ""
             raise OutOfLimits(
                 f"q0 has joint {self.names[k]!r} at {rows[row, k]:.6g}{place}; "
@@ -296,10 +298,7 @@ def _chain(arm: SolvedArm, limits: bool) -> Chain:
                 f"joint {name!r} has limits {lower} .. {upper}; the lower one must not exceed the upper one"
             )
     turning = [arm.model.joints[i].turns for i in arm.model.independent]
-    reach = np.where(turning, math.pi, _reach(arm.model))
-    open_below = np.where(np.isfinite(bounds.upper), bounds.upper - 2.0 * reach, -reach)
-    low = np.where(np.isfinite(bounds.lower), bounds.lower, open_below)
-    high = np.where(np.isfinite(bounds.upper), bounds.upper, low + 2.0 * reach)
+    low, high = _box(bounds.lower, bounds.upper, np.where(turning, math.pi, reach(arm.model)))
     free = np.full(n, np.inf)
     return Chain(
         bounds.lower if limits else -free,
@@ -308,7 +307,15 @@ def _chain(arm: SolvedArm, limits: bool) -> Chain:
         high - low,
         _strides(n),
         np.where(_whole_turns(arm.model), 2.0 * math.pi, 0.0),
+        np.array(turning, dtype=float),
     )
+
+
+def _box(lower: Array, upper: Array, scale: Array) -> tuple[Array, Array]:
+    """Where restarts are drawn: limits up to `FAR` scales wide; of wider ones, or none, the two scales nearest to 0."""
+    wide = ~(upper - lower <= FAR * scale)
+    low = np.where(wide, np.maximum(lower, np.minimum(-scale, upper - 2.0 * scale)), lower)
+    return low, np.where(wide, np.minimum(upper, low + 2.0 * scale), upper)
 
 
 def _whole_turns(model: ArmModel) -> list[bool]:
@@ -325,19 +332,6 @@ def _strides(n: int) -> Array:
     return x ** -np.arange(1.0, n + 1.0)
 
 
-def _reach(model: ArmModel) -> float:
-    """Sum of the lengths between base and tool, m; 1 where there are none."""
-    from holonom.mechanics.equations.kinematics import carrying
-
-    path = [model.joints[i] for i in carrying(model, model.tool_joint)]
-    poses = [T for joint in path for T in (joint.before, joint.after)] + [model.tool]
-    total = float(sum(np.linalg.norm(np.array(T)[:3, 3]) for T in poses))
-    for joint in path:
-        ends = [abs(x) for x in (joint.limits.lower, joint.limits.upper) if not joint.turns and math.isfinite(x)]
-        total += max(ends, default=0.0)
-    return total or 1.0
-
-
 def _search(
     arm: SolvedArm,
     tolerance: float,
@@ -351,7 +345,7 @@ def _search(
     from holonom.mechanics.loops.solver import Search
 
     w, exact = _weights(weights, frame), weights is not None
-    rows = np.concatenate([w[:3] / _reach(arm.model), w[3:]])
+    rows = np.concatenate([w[:3] / reach(arm.model), w[3:]])
     task, more = arm.pointer("pose_task", frame=frame or "world", exact=exact)
     rows = np.concatenate([rows, more])
     climbed = 0 if criterion is None else _criterion_address(arm, criterion)

@@ -20,7 +20,8 @@ from holonom.arrays import Array
 from holonom.errors import InputError, ShapeError
 from holonom.mechanics.arm.arm import Arm, IkResult, IkStatus
 from holonom.mechanics.arm.nearest import joint_vectors
-from holonom.mechanics.kernels.inverse.geometry import LIMIT_TOLERANCE, REACHED, pose_error
+from holonom.mechanics.kernels.inverse.geometry import REACHED, pose_error
+from holonom.model import outside
 
 __all__ = ["BranchPath", "feasible_branches", "follow"]
 
@@ -48,7 +49,7 @@ class BranchPath:
 
 
 def follow(arm: Arm, T: ArrayLike, q0: ArrayLike, *, jump: float = JUMP) -> BranchPath:
-    """Follow a path of poses from the branch nearest to q0, whole turns as q0 has them.
+    """Follow a path of poses from the solution nearest to q0 (`Arm.ik_nearest`), whole turns as q0 has them.
 
     Parameters
     ----------
@@ -69,12 +70,10 @@ def follow(arm: Arm, T: ArrayLike, q0: ArrayLike, *, jump: float = JUMP) -> Bran
     start = joint_vectors("q0", q0, arm.limits.names)
     if start.ndim != 1:
         raise ShapeError(f"q0 must be of shape ({arm.n},); shape {start.shape} came")
-    first = _turned(arm, found.q[0], start)
-    apart = np.abs(first - start).max(-1) + np.where(found.status[0] == IkStatus.UNREACHABLE, np.inf, 0.0)
-    k = int(np.argmin(apart))
-    if not np.isfinite(apart[k]):
-        return BranchPath("", first[:0], 0, "pose 0 is out of reach")
-    return _within_limits(arm, _tracked(arm, T, found, k, first[k], jump))
+    first = arm.ik_nearest(np.asarray(T, dtype=float)[0], start)
+    if first.status == IkStatus.UNREACHABLE:
+        return BranchPath("", first.q[None][:0], 0, "pose 0 is out of reach")
+    return _within_limits(arm, _tracked(arm, T, found, int(first.branch), first.q, jump))
 
 
 def feasible_branches(arm: Arm, T: ArrayLike, *, jump: float = JUMP) -> list[BranchPath]:
@@ -114,7 +113,7 @@ def _tracked(arm: Arm, T: ArrayLike, found: IkResult, start: int, first: Array, 
             return BranchPath(found.names[start], q[:i], i, f"pose {i} is out of reach")
         ways = _turned(arm, found.q[i, reached], q[i - 1])
         best = ways[np.argmin(np.abs(ways - q[i - 1]).max(-1))]
-        if (found.status[i] == IkStatus.SINGULAR).any():
+        if (found.status[i] >= IkStatus.SINGULAR).any():
             ahead = 2.0 * q[i - 1] - q[max(i - 2, 0)]
             best = _free_joints_kept(arm, np.asarray(T, dtype=float)[i], ahead, best)
         step = np.abs(best - q[i - 1])
@@ -147,11 +146,11 @@ def _best_turns(arm: Arm, path: BranchPath) -> BranchPath:
 def _within_limits(arm: Arm, path: BranchPath) -> BranchPath:
     """The path up to where a joint leaves its limits."""
     limits = arm.limits
-    outside = (path.q < limits.lower - LIMIT_TOLERANCE) | (path.q > limits.upper + LIMIT_TOLERANCE)
-    if not outside.any():
+    beyond = outside(path.q, limits.lower, limits.upper)
+    if not beyond.any():
         return path
-    i = int(np.argmax(outside.any(1)))
-    j = int(np.argmax(outside[i]))
+    i = int(np.argmax(beyond.any(1)))
+    j = int(np.argmax(beyond[i]))
     reason = (
         f"joint {limits.names[j]!r} would leave its limits at pose {i}: {path.q[i, j]:.4g}; "
         f"they are {limits.lower[j]:.4g} to {limits.upper[j]:.4g}"

@@ -15,21 +15,25 @@ from holonom.model.arm import (
     Frame,
     Friction,
     Joint,
-    JointLimits,
     Mimic,
     Motor,
     Transform,
     constant_transform,
 )
+from holonom.model.chain import ToolChain, tool_chain
 from holonom.model.dh import DHRow, arm_model_from_dh, joint_from_dh
 from holonom.model.joint_kinds import JOINT_KINDS
+from holonom.model.limits import LIMIT_TOLERANCE, JointLimits, outside
 from holonom.model.load import load_model
 from holonom.model.presets import PRESETS, preset, preset_names
+from holonom.model.reach import STROKE, reach
 from holonom.model.urdf.reader import read_urdf
 
 __all__ = [
     "JOINT_KINDS",
+    "LIMIT_TOLERANCE",
     "PRESETS",
+    "STROKE",
     "ArmModel",
     "Body",
     "DHRow",
@@ -39,12 +43,16 @@ __all__ = [
     "JointLimits",
     "Mimic",
     "Motor",
+    "ToolChain",
     "Transform",
     "arm_model_from_dh",
     "constant_transform",
     "joint_from_dh",
     "load_model",
+    "outside",
     "preset",
     "preset_names",
+    "reach",
     "read_urdf",
+    "tool_chain",
 ]

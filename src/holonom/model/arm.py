@@ -12,6 +12,7 @@ from holonom.arrays import Array
 from holonom.errors import ModelError, UnknownName
 from holonom.model.gravity import GRAVITY
 from holonom.model.joint_kinds import kind_of
+from holonom.model.limits import JointLimits
 
 __all__ = [
     "ArmModel",
@@ -19,7 +20,6 @@ __all__ = [
     "Frame",
     "Friction",
     "Joint",
-    "JointLimits",
     "Mimic",
     "Motor",
     "Rotors",
@@ -112,17 +112,6 @@ class Friction:
     coulomb_negative: float
     static_ratio: float = 1.0
     stribeck_speed: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class JointLimits:
-    """Position (rad or m), speed, acceleration and torque limits; infinite where none is stated."""
-
-    lower: float = -np.inf
-    upper: float = np.inf
-    speed: float = np.inf
-    acceleration: float = np.inf
-    torque: float = np.inf
 
 
 @dataclass(frozen=True, slots=True)
@@ -248,3 +237,11 @@ class ArmModel:
     def independent(self) -> tuple[int, ...]:
         """Numbers of the joints that move on their own: the entries of q."""
         return tuple(i for i, joint in enumerate(self.joints) if joint.mimic is None)
+
+    def limits(self, i: int) -> JointLimits:
+        """Limits of independent joint i: its own, narrowed by those of the joints that follow it."""
+        found = self.joints[i].limits
+        for joint in self.joints:
+            if joint.mimic is not None and joint.mimic.joint == i:
+                found = found.leading(joint.limits, joint.mimic.multiplier, joint.mimic.offset)
+        return found

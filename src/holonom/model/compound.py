@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from holonom.arrays import Array
-from holonom.model.arm import Joint, JointLimits, constant_transform
+from holonom.model.arm import Joint, constant_transform
 from holonom.model.joint_kinds import kind_of
+from holonom.model.limits import JointLimits
 
 __all__ = ["frame_along", "joints_of"]
 

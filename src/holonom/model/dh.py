@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.errors import ModelError, UnknownName
-from holonom.model.arm import ArmModel, Body, Joint, JointLimits, Transform, constant_transform
+from holonom.model.arm import ArmModel, Body, Joint, Transform, constant_transform
 from holonom.model.joint_kinds import kind_of
+from holonom.model.limits import JointLimits
 
 __all__ = ["DHRow", "arm_model_from_dh", "joint_from_dh"]
 

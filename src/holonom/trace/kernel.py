@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import keyword
 import math
@@ -12,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.arrays import real_array
-from holonom.errors import InputError, ShapeError
+from holonom.arrays import REVOLUTION, real_array
+from holonom.errors import InputError, NotFinite, OutOfLimits, ShapeError
 from holonom.trace.call.threads import check_threads
 from holonom.trace.line.columns import Columns, columns_of
-from holonom.trace.line.graph import Graph, Scalar
+from holonom.trace.line.graph import Graph, Scalar, live_nodes, turning_inputs
 from holonom.trace.line.lanes import lanes_of
 from holonom.trace.line.straight import Field, operand, straight_line
 from holonom.trace.text.emit import TAKEN, Parts, emit_block, emit_made, emit_pointer, emit_single
@@ -120,7 +121,8 @@ class Kernel:
 
     Call it with one array per input: one sample each (its own shape) or a batch of rows (leading axes before it).
     `kernel.single(in1, ..., out1, ...)` is the fastest way for one sample: C-contiguous float64 arrays of exactly the
-    declared shapes, outputs given; it returns 0, 1 (something else came) or 2 (NaN or infinity among the inputs).
+    declared shapes, outputs given; it returns 0, 1 (something else came) or 2 (NaN or infinity among the inputs, or
+    numbers beyond their bounds).
     """
 
     def __init__(
@@ -135,7 +137,9 @@ class Kernel:
         result: Callable[..., Any] = _plain,
         few: int | None = None,
     ) -> None:
-        self.name, self.inputs, self.outputs, self.result = name, inputs, outputs, result
+        turning = turning_inputs(graph, live_nodes(graph, [s for values in results.values() for s in values]))
+        bounded = tuple(dataclasses.replace(f, bound=REVOLUTION) if f.name in turning else f for f in inputs)
+        self.name, self.inputs, self.outputs, self.result = name, bounded, outputs, result
         self._body = straight_line(graph, [s for values in results.values() for s in values])
         self._results = {key: [operand(graph, s.i) for s in values] for key, values in results.items()}
         self.columns = columns
@@ -223,7 +227,9 @@ class Kernel:
         Raises
         ------
         ShapeError
-            Wrong shape or type, NaN or infinity: the message names the input and the row.
+            Wrong shape or type; `NotFinite`: NaN or infinity. The message names the input and the row.
+        OutOfLimits
+            An angle beyond 1e15 rad, any number beyond 1e100.
         InputError
             `threads` is no whole number of at least 1.
         """
@@ -276,7 +282,7 @@ class Kernel:
         if fine is None:
             fine = self._batch.run((*rows, *results), count, threads)
         if count and not fine:
-            self._name_nonfinite(rows, lead)
+            self._name_bad(rows, lead)
         return self.result(*results)
 
     def _one_by_one(self, rows: Sequence[Array], results: Sequence[Array], count: int) -> bool | None:
@@ -321,13 +327,25 @@ class Kernel:
                     f"aligned in memory; {came} came"
                 )
 
-    def _name_nonfinite(self, rows: Sequence[Array], lead: tuple[int, ...]) -> None:
+    def _name_bad(self, rows: Sequence[Array], lead: tuple[int, ...]) -> None:
         for f, a in zip(self.inputs, rows, strict=True):
             bad = np.argwhere(~np.isfinite(a))
             if bad.size:
                 row, slot = bad[0]
-                place = f" in row {tuple(int(k) for k in np.unravel_index(row, lead))}" if lead else ""
-                raise ShapeError(f"{f.name}[{slot}] is {a[row, slot]}{place}; finite numbers are needed")
+                raise NotFinite(f"{f.name}[{slot}] is {a[row, slot]}{_place(row, lead)}; finite numbers are needed")
+            with np.errstate(over="ignore"):
+                far = np.argwhere(~(np.sum(a * a, axis=1) <= f.bound**2))
+            if far.size:
+                row = far[0, 0]
+                slot = int(np.argmax(np.abs(a[row])))
+                why = "whole turns can no longer be told apart" if f.bound == REVOLUTION else "products of it overflow"
+                raise OutOfLimits(
+                    f"{f.name}[{slot}] is {a[row, slot]:g}{_place(row, lead)}: beyond {f.bound:g} {why}; give less"
+                )
+
+
+def _place(row: int, lead: tuple[int, ...]) -> str:
+    return f" in row {tuple(int(k) for k in np.unravel_index(row, lead))}" if lead else ""
 
 
 CALL = """

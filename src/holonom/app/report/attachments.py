@@ -109,7 +109,6 @@ def _program_name(arm: ArmJob) -> str:
 def _arm_robot(job: ArmJob, controller: int, stated: Arm) -> RobotFacts:
     model = job.arm.model
     moving = [model.joints[i] for i in model.independent]
-    rated = [stated.model.joints[i].limits.speed for i in model.independent]
     motors = [joint.motor for joint in moving]
     kinematics = ArmFacts(
         base=_rows(model.base),
@@ -133,8 +132,8 @@ def _arm_robot(job: ArmJob, controller: int, stated: Arm) -> RobotFacts:
         joints=tuple(joint.name for joint in moving),
         kinds=tuple(joint.kind for joint in moving),
         limits={
-            "speed": _limit(rated),
-            "torque": _limit(joint.limits.torque for joint in moving),
+            "speed": _limit(stated.limits.speed),
+            "torque": _limit(job.arm.limits.torque),
             "current": _limit(None if motor is None else motor.max_current for motor in motors),
             "voltage": _limit(None if motor is None else motor.max_voltage for motor in motors),
         },

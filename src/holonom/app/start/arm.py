@@ -12,9 +12,9 @@ from holonom.app.cell.build.arm import usual_home
 from holonom.app.start.text import angle, length, listed, quoted, round_down, rows
 from holonom.errors import ModelError
 from holonom.machine.arm.servos import check_drives
-from holonom.model import PRESETS, ArmModel, Joint, load_model
+from holonom.model import PRESETS, ArmModel, Joint, JointLimits, load_model, reach
 
-__all__ = ["PROGRAM", "ArmStart", "arm_starts", "reach", "source_of"]
+__all__ = ["PROGRAM", "ArmStart", "arm_starts", "source_of"]
 
 PROGRAM = "main.arps"
 TURN = math.radians(15)
@@ -76,9 +76,9 @@ class ArmStart:
 
     def _turns(self) -> Iterator[tuple[str, str]]:
         """Turn the first two joints that turn; one that slides is left to the line, as DRIVE counts in degrees."""
-        joints = [(k, self.model.joints[i]) for k, i in enumerate(self.model.independent)]
-        for k, joint in [(k, joint) for k, joint in joints if joint.turns][:2]:
-            by = math.degrees(_turn(joint, self.home[k]))
+        joints = [(k, i, self.model.joints[i]) for k, i in enumerate(self.model.independent)]
+        for k, i, joint in [entry for entry in joints if entry[2].turns][:2]:
+            by = math.degrees(_turn(self.model.limits(i), self.home[k]))
             yield f"  DRIVE {k + 1}, {by:.4g}, 50", f"turn joint {k + 1}, {joint.name}, by {by:.4g} degrees at 50 %"
 
     def _straight(self) -> Iterator[tuple[str, str]]:
@@ -123,23 +123,6 @@ def source_of(name: str, folder: Path) -> tuple[str, ArmModel]:
     return (str(file) if common == Path(common.anchor) else os.path.relpath(file, folder)), model
 
 
-def reach(model: ArmModel) -> float:
-    """Return the length of an arm stretched out, m, at most: its offsets from joint to joint, and what they slide."""
-    joints = [model.joints[i] for i in _chain(model)]
-    places = [model.tool, *[T for joint in joints for T in (joint.after, joint.before)][:-1]]
-    slides = [max(map(abs, _bounds(joint))) for joint in joints if not joint.turns]
-    found = sum(math.dist([row[3] for row in T[:3]], (0, 0, 0)) for T in places)
-    return (found + sum(s for s in slides if math.isfinite(s))) or 1.0
-
-
-def _chain(model: ArmModel) -> Iterator[int]:
-    """Numbers of the joints from the tool's to the base's; what stands before that one is where the arm stands."""
-    i = model.tool_joint
-    while i >= 0:
-        yield i
-        i = model.parent(i)
-
-
 def _homes(model: ArmModel) -> Iterator[tuple[float, ...]]:
     """Poses that the model names; where there are none, the usual home, and one that is bent, where lines go better."""
     named = [model.poses[name] for name in ("nominal", "home", "ready") if name in model.poses]
@@ -149,26 +132,22 @@ def _homes(model: ArmModel) -> Iterator[tuple[float, ...]]:
     usual = usual_home(model)
     yield usual
     joints = [model.joints[i] for i in model.independent]
+    limits = [model.limits(i) for i in model.independent]
     for sign in (1, -1):
         bent = [sign * BENT * (1 - 2 * (k % 2)) if joint.turns else q
                 for k, (joint, q) in enumerate(zip(joints, usual, strict=True))]  # fmt: skip
-        yield tuple(_within(joint, q) for joint, q in zip(joints, bent, strict=True))
+        yield tuple(_within(bounds, q) for bounds, q in zip(limits, bent, strict=True))
 
 
-def _within(joint: Joint, q: float) -> float:
-    lower, upper = _bounds(joint)
+def _within(limits: JointLimits, q: float) -> float:
+    lower, upper = limits.lower, limits.upper
     return min(max(q, 0.9 * lower + 0.1 * upper), 0.1 * lower + 0.9 * upper) if math.isfinite(upper - lower) else q
 
 
-def _turn(joint: Joint, q: float) -> float:
+def _turn(limits: JointLimits, q: float) -> float:
     """By what a joint is turned: half of the room to the farther of its limits at most."""
-    lower, upper = _bounds(joint)
-    up, down = upper - q, q - lower
+    up, down = limits.upper - q, q - limits.lower
     return math.copysign(min(TURN, 0.5 * max(up, down)), 1 if up >= down else -1)
-
-
-def _bounds(joint: Joint) -> tuple[float, float]:
-    return joint.limits.lower, joint.limits.upper
 
 
 def _value(joint: Joint, q: float) -> str:

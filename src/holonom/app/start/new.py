@@ -13,11 +13,11 @@ from typing import Any
 from holonom.app.cell.check import check_cell
 from holonom.app.console.answer import Answer
 from holonom.app.console.progress import Progress
-from holonom.app.start.arm import PROGRAM, arm_starts, reach, source_of
+from holonom.app.start.arm import PROGRAM, arm_starts, source_of
 from holonom.app.start.base import base_starts
 from holonom.app.start.text import head
 from holonom.errors import InputError, OutputError
-from holonom.model import ArmModel
+from holonom.model import ArmModel, reach
 
 __all__ = ["KINDS", "Files", "new_cell"]
 

@@ -129,12 +129,12 @@ class ArmServos:
         self.law = settings.law()
         self.timing = _timing(settings.levels)
         self.model = arm.kernel("inverse_dynamics")
-        self.limits = [_axis_limits(joint, settings) for joint in arm.model.joints]
+        self.limits = [_axis_limits(arm.model, i, settings) for i in range(arm.n)]
         B = mass_matrix(arm.model, bodies_of(arm.model), joint_vector("q", q, arm.n).tolist())
         inertia = np.diagonal(np.array(B, dtype=float))
         rows = [
-            _servo(joint, float(b), settings, limits)
-            for joint, b, limits in zip(arm.model.joints, inertia, self.limits, strict=True)
+            _servo(arm.model, i, float(b), settings, limits)
+            for i, (b, limits) in enumerate(zip(inertia, self.limits, strict=True))
         ]
         self.axes = record_table(rows, SERVO)
         self.states = np.zeros(arm.n, dtype=SERVO_STATE)
@@ -253,20 +253,21 @@ def joint_friction(joint: Joint, ratio: float) -> Friction:
     return Friction(f.viscous / ratio**2, positive, negative)
 
 
-def _axis_limits(joint: Joint, settings: ControlSettings) -> AxisLimits:
-    motor = joint_motor(joint)
+def _axis_limits(model: ArmModel, axis: int, settings: ControlSettings) -> AxisLimits:
+    motor, limits = joint_motor(model.joints[axis]), model.limits(axis)
     margin = 1.0 + settings.trip_margin
     return AxisLimits(
-        joint.limits.lower - settings.following_error,
-        joint.limits.upper + settings.following_error,
-        joint.limits.speed * margin,
+        limits.lower - settings.following_error,
+        limits.upper + settings.following_error,
+        limits.speed * margin,
         motor.max_current * margin,
         settings.following_error,
     )
 
 
-def _servo(joint: Joint, inertia: float, settings: ControlSettings, limits: AxisLimits) -> Servo:
+def _servo(model: ArmModel, axis: int, inertia: float, settings: ControlSettings, limits: AxisLimits) -> Servo:
     """Data sheets and gains of a joint whose inertia (rotor included) is known at its working point, kg m2."""
+    joint = model.joints[axis]
     data, motor = joint.motor, joint_motor(joint)
     assert data is not None
     ratio = data.gear_ratio
@@ -283,7 +284,7 @@ def _servo(joint: Joint, inertia: float, settings: ControlSettings, limits: Axis
             viscous=joint_friction(joint, ratio).viscous,
             max_voltage=motor.max_voltage,
             max_current=motor.max_current,
-            max_speed=joint.limits.speed * abs(ratio),
+            max_speed=model.limits(axis).speed * abs(ratio),
             counts_per_rev=encoder.counts_per_rev,
         ),
         times=times,

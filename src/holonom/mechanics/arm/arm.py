@@ -5,38 +5,27 @@ from __future__ import annotations
 import dataclasses
 import functools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from holonom.arrays import Array
-from holonom.errors import InputError, ShapeError
+from holonom.errors import InputError
+from holonom.mechanics.arm.beside import Beside
+from holonom.mechanics.arm.branches import Branches
+from holonom.mechanics.arm.limits import changed_limits
 from holonom.mechanics.arm.placement import NO_LOAD, Placement
-from holonom.mechanics.arm.targets import check_lost, points
 from holonom.mechanics.equations.dynamics.inertia import Inertial, fixed_to_body, from_body, merged
-from holonom.mechanics.kernels.inverse import geometry as inverse_geometry
-from holonom.mechanics.kernels.inverse.closed_form import FAMILIES, ClosedForm, closed_form
-from holonom.mechanics.kernels.inverse.geometry import UNREACHABLE
+from holonom.mechanics.kernels.inverse.closed_form import ClosedForm, closed_form
 from holonom.mechanics.kernels.inverse.result import IkCase, IkNearest, IkResult, IkStatus
 from holonom.mechanics.kernels.protocol import Limits
 from holonom.mechanics.kernels.table import OPTIONS, Calls, make_kernel, named
-from holonom.model import ArmModel, Body, constant_transform
+from holonom.model import ArmModel, Body, constant_transform, tool_chain
 from holonom.spatial import check_pose
 from holonom.trace import Kernel
 
 __all__ = ["Arm", "IkCase", "IkNearest", "IkResult", "IkStatus", "Limits"]
-
-
-@dataclass(frozen=True, slots=True)
-class _Inverse:
-    """What `Arm.ik` looks at in each call; `nowhere`: bytes of a status without a branch that reaches the target."""
-
-    call: Callable[..., Any]
-    poses: bool
-    exact: bool
-    nowhere: bytes
 
 
 class Prepared(dict[Any, Any]):
@@ -79,10 +68,10 @@ class Arm:
     @property
     def limits(self) -> Limits:
         """Joint limits as arrays."""
-        moving = [self.model.joints[i] for i in self.model.independent]
-        bounds = [j.limits for j in moving]
+        model = self.model
+        bounds = [model.limits(i) for i in model.independent]
         rows = [(b.lower, b.upper, b.speed, b.acceleration, b.torque) for b in bounds]
-        return Limits(tuple(j.name for j in moving), *np.array(rows, dtype=float).T.copy())
+        return Limits(tuple(model.joints[i].name for i in model.independent), *np.array(rows, dtype=float).T.copy())
 
     def with_tool(self, tool: ArrayLike) -> Arm:
         """Return the arm with another tool pose T_nt (4, 4)."""
@@ -114,9 +103,21 @@ class Arm:
         arm.calls = arm.placement.calls
         return arm
 
-    def with_limits(self, *, speed: float = 1.0, acceleration: float = 1.0) -> Arm:
-        """Return the arm with its joints' speed and acceleration limits scaled by factors."""
-        return self.remade(joints=tuple(joint.scaled(speed, acceleration) for joint in self.model.joints))
+    def with_limits(self, *, speed: float = 1.0, acceleration: float = 1.0, **values: ArrayLike) -> Arm:
+        """Return the arm with other joint limits; those of joints that follow count as before (`ArmModel.limits`).
+
+        Parameters
+        ----------
+        speed, acceleration : factors of all joints' limits, positive.
+        values : `lower`, `upper`, `speeds`, `accelerations`, `torques`: limits (n,) or one for all, rad or m and N m or
+            N; such as the accelerations that URDF files do not state. Factors count on top of them.
+
+        Raises
+        ------
+        InputError, ShapeError, UnknownName
+            A factor of a limit that is not stated; values of another shape, or out of order; no such limit.
+        """
+        return self.remade(joints=changed_limits(self.model, speed, acceleration, values))
 
     def remade(self, **changes: Any) -> Arm:
         """Return the arm with other parts of its model, such as `joints` of other limits; it stands where it stands."""
@@ -171,25 +172,52 @@ class Arm:
         result: Array = self.calls["frames"](q)
         return result
 
-    def jacobian(self, q: ArrayLike, frame: str = "world", *, out: Array | None = None, threads: int = 1) -> Array:
-        """Geometric Jacobian of the tool point, rows [v; w] (Siciliano 3.1).
+    def jacobian(
+        self,
+        q: ArrayLike,
+        frame: str = "world",
+        *,
+        of: str | tuple[str, ...] = "tool",
+        out: Array | None = None,
+        threads: int = 1,
+    ) -> Array:
+        """Geometric Jacobian of a frame's origin, rows [v; w] (Siciliano 3.1).
 
         Parameters
         ----------
         q : (..., n).
-        frame : "world", "base" or "tool", the frame in which v and w are expressed.
+        frame : "world", "base", "tool" or "own" (that of `of`), the frame in which v and w are expressed.
+        of : a frame as for `fk`, or several of them at once, such as both tools of a tree. Of another point:
+            `mechanics.jacobians.point_jacobian`.
 
         Returns
         -------
-        J : (..., 6, n).
+        J : (..., 6, n); of m frames (..., m, 6, n).
         """
-        result: Array = self.calls["jacobian", frame](q, out=out, threads=threads)
+        result: Array = self.calls["jacobian", frame, of](q, out=out, threads=threads)
         return result
 
     @functools.cached_property
     def closed_form(self) -> ClosedForm | None:
-        """The closed-form inverse that fits how the arm's axes lie, if there is one."""
+        """The closed-form inverse that fits how the axes between base and tool lie, if there is one."""
+        if self.chain is not None:
+            return self.chain.chain.closed_form
         return closed_form(self.model) if self.placement is None or not self._alike else self.first.closed_form
+
+    @functools.cached_property
+    def chain(self) -> Beside | None:
+        """The joints that move the tool, where others hang beside them."""
+        found = tool_chain(self.model)
+        return None if found is None else Beside(self, self._chain_arm, found.places)
+
+    @functools.cached_property
+    def _chain_arm(self) -> Arm:
+        if self.placement is not None:
+            here = self.model
+            return self.first._chain_arm._placed(base=here.base, tool=here.tool, gravity=here.gravity)
+        found = tool_chain(self.model)
+        assert found is not None
+        return Arm(found.model)
 
     @functools.cached_property
     def _alike(self) -> bool:
@@ -197,13 +225,14 @@ class Arm:
         form = self.first.closed_form
         return form is None or form.task == "pose" or (self.placement is not None and self.placement.same_tool)
 
-    def ik(self, T: ArrayLike, *, threads: int = 1) -> IkResult:
+    def ik(self, T: ArrayLike, q0: ArrayLike | None = None, *, threads: int = 1) -> IkResult:
         """Closed-form inverse geometry: every branch with its status, proved by forward kinematics.
 
         Parameters
         ----------
         T : (..., 4, 4), T_wt. Arms that can only place their tool (two joints in a plane, three joints in space:
             `closed_form.task` is "position") take points p_wt (..., 3) too, and of a pose its place.
+        q0 : (..., n), what joints beside the way to the tool (a gripper's, say) have; 0 unless given.
 
         Raises
         ------
@@ -212,37 +241,14 @@ class Arm:
         InputError
             No closed form for this arm.
         """
-        inverse = self._inverse
-        target = T if inverse.poses else points(T)
-        try:
-            found: IkResult = inverse.call(target, threads=threads)
-        except ShapeError:
-            if inverse.poses:
-                check_pose(T, "T")  # names what is wrong with it
-            raise
-        q, status, names = found
-        if inverse.poses and (status.ndim > 1 or status.tobytes() == inverse.nowhere):
-            check_lost(T, status)
-        if inverse.exact:
-            return found
-        bounds, goal = (self.limits.lower, self.limits.upper), np.asarray(target, dtype=float)
-        task = "pose" if inverse.poses else "position"
-        q, status = inverse_geometry.refined(self.fk, self.jacobian, bounds, task, goal, q, status)
-        return IkResult(q, status, names)
+        return self._branches(T, q0, threads)
 
     @functools.cached_property
-    def _inverse(self) -> _Inverse:
-        form = self.closed_form
-        if form is None:
-            raise InputError(
-                f"arm {self.model.name!r} has no closed-form inverse: its axes lie like none of {', '.join(FAMILIES)}; "
-                "ik_nearest(T, q0) finds one solution numerically"
-            )
-        nowhere = bytes([UNREACHABLE] * len(form.names))
-        call = self._inverse_call
-        return _Inverse(call, form.task == "pose", form.exact, nowhere)
+    def _branches(self) -> Callable[[ArrayLike, ArrayLike | None, int], IkResult]:
+        if self.chain is not None and self.closed_form is not None:
+            return self.chain.ik
+        return Branches(self, self._inverse_call).take
 
-    @property
     def _inverse_call(self) -> Callable[..., Any]:
         """The call of the compiled inverse; placed elsewhere, the first arm's, for where its tool would be."""
         place = self.placement
@@ -256,9 +262,9 @@ class Arm:
     def ik_nearest(
         self, T: ArrayLike, q0: ArrayLike, *, weights: ArrayLike | None = None, threads: int = 1
     ) -> IkNearest:
-        """The reachable branch nearest to `q0`, with joints whole turns away where limits allow.
+        """The solution nearest to `q0`, of all branches, their whole turns within the limits and their free joints.
 
-        Without a closed form the numerical solver starts from `q0` (`mechanics.numerical_inverse`).
+        Without a closed form the target is approached from `q0` (`mechanics.arm.searched`): the solution nearest there.
 
         Parameters
         ----------
@@ -269,7 +275,8 @@ class Arm:
 
         Returns
         -------
-        `status` is that of the branch taken: OK or SINGULAR, and LIMIT or UNREACHABLE if no branch is better.
+        `status` is that of the branch taken: OK or SINGULAR, and LIMIT or UNREACHABLE if no branch is better. Without a
+        closed form FAR says that `q` reaches the target with a jump from `q0`: a nearer solution may exist.
 
         Raises
         ------
@@ -282,8 +289,12 @@ class Arm:
 
     @functools.cached_property
     def _nearest(self) -> Callable[[ArrayLike, ArrayLike, ArrayLike | None, int], IkNearest]:
+        if self.chain is not None and self.closed_form is not None:
+            return self.chain.ik_nearest
         if self.closed_form is None:
-            return self._searched
+            from holonom.mechanics.arm.searched import Searched
+
+            return Searched(self).take
         from holonom.mechanics.arm.nearest import Nearest  # compiled code, on first use
 
         place = self.placement
@@ -293,19 +304,6 @@ class Arm:
             return Arm(self.model)._nearest
         take = self.first._nearest
         return lambda T, q0, weights, threads: take(place.from_first(T), q0, weights, threads)
-
-    def _searched(self, T: ArrayLike, q0: ArrayLike, weights: ArrayLike | None, threads: int) -> IkNearest:
-        """What the numerical solver finds from q0."""
-        from holonom.mechanics.numerical_inverse import InverseStatus, solve_inverse
-
-        found = solve_inverse(self, T, q0, threads=threads)
-        named = {
-            InverseStatus.OK: IkStatus.OK,
-            InverseStatus.NOT_CONVERGED: IkStatus.UNREACHABLE,
-            InverseStatus.LIMIT: IkStatus.LIMIT,
-        }
-        status = np.array([named[s] for s in InverseStatus], dtype=np.int8)[found.status]
-        return IkNearest(found.q, status, np.full(np.shape(status), -1), ())
 
     def inverse_dynamics(
         self,

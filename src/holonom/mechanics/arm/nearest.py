@@ -9,20 +9,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from holonom.arrays import Array, real_array, vectors
+from holonom.arrays import Array, angles, real_array
 from holonom.errors import NotAPose, ShapeError
-from holonom.mechanics.kernels.inverse.result import IkNearest, IkStatus
+from holonom.mechanics.arm.members import Reference, nearest_members, whole_turns
+from holonom.mechanics.kernels.inverse.geometry import REACHED, pose_error
+from holonom.mechanics.kernels.inverse.result import IkNearest, IkResult, IkStatus
 from holonom.mechanics.kernels.protocol import SolvedArm
-from holonom.mechanics.loops.nearest import nearest_of_rows, nearest_point, nearest_pose
+from holonom.mechanics.loops.nearest import NEAR, STATUSES, nearest_of_rows, nearest_point, nearest_pose
+from holonom.model import outside
 from holonom.spatial import check_pose
 from holonom.trace import check_threads, share
 
-__all__ = ["Nearest", "joint_vectors"]
+__all__ = ["Nearest", "joint_vectors", "joint_weights"]
 
 CHUNK = 1024
 """Rows that are solved together, so that a batch takes little more memory than its result."""
-FREE = 1e-8
-"""Singular value of the Jacobian below which a combination of joints moves nothing."""
 
 
 def joint_vectors(name: str, q: ArrayLike, names: tuple[str, ...]) -> Array:
@@ -30,15 +31,25 @@ def joint_vectors(name: str, q: ArrayLike, names: tuple[str, ...]) -> Array:
 
     Raises
     ------
-    ShapeError
-        Another shape; something that is no finite number, named with its joint and row.
+    ShapeError, NotFinite, OutOfLimits
+        Another shape; something that is no finite number, or an angle beyond 1e15 rad, named with its joint and row.
     """
-    return vectors(name, q, len(names), [f"joint {name!r}" for name in names])
+    return angles(name, q, len(names), [f"joint {name!r}" for name in names])
+
+
+def joint_weights(weights: ArrayLike | None, n: int) -> Array:
+    """What a joint's difference counts (n,); 1 unless given."""
+    if weights is None:
+        return np.ones(n)
+    weight = real_array("weights", weights)
+    if weight.shape != (n,) or not (weight >= 0.0).all() or not np.isfinite(weight).all():
+        raise ShapeError(f"weights must be {n} finite numbers, none negative; {weight} came")
+    return weight
 
 
 STATUS: tuple[Any, ...] = tuple(np.int8(status) for status in IkStatus)
 """What a call returns for each status: the same object every time."""
-UNREACHABLE, SINGULAR = STATUS[IkStatus.UNREACHABLE], STATUS[IkStatus.SINGULAR]
+UNREACHABLE = STATUS[IkStatus.UNREACHABLE]
 
 
 class Nearest:
@@ -52,32 +63,25 @@ class Nearest:
         self._joints = np.array([limits.lower, limits.upper, turns, np.ones(arm.n)])
         self._ndim = 1 if form.task == "position" else 2
         self._address = arm.kernel("inverse_geometry").address if form.exact else 0  # else branches are to be refined
+        self._forward = arm.kernel("fk").address if form.exact else 0
         self._one = nearest_point if form.task == "position" else nearest_pose
         q = np.empty(arm.n)
         branches: list[Any] = [np.int64(k) for k in range(len(form.names))]
-        self._answers = tuple(IkNearest(q, status, k, form.names) for k in branches for status in STATUS)
+        self._answers = tuple(IkNearest(q, status, k, form.names) for k in branches for status in STATUS[:STATUSES])
 
     def take(self, T: ArrayLike, q0: ArrayLike, weights: ArrayLike | None, threads: int) -> IkNearest:
         """Arguments, result and errors as for `Arm.ik_nearest`."""
-        joints = self._joints if weights is None else self._weighted(weights)
+        joints = self._joints
+        if weights is not None:
+            joints = np.concatenate([joints[:3], joint_weights(weights, self._arm.n)[None]])
         found: IkNearest | None = None
         if self._address and threads == 1:
-            found = self._one(self._address, len(self._names), T, q0, joints, self._answers)
+            found = self._one(self._address, self._forward, len(self._names), T, q0, joints, self._answers)
         if found is None:  # rows of them, lists, other numbers than floats
             return self._general(T, q0, joints, check_threads(threads))
-        status = found[1]
-        if status is SINGULAR:
-            return found._replace(q=self._kept(T, found.q, np.asarray(q0), np.asarray(True)))
-        if status is UNREACHABLE and self._rows == 6:
+        if found[1] is UNREACHABLE and self._rows == 6:
             check_pose(T, "T")
         return found
-
-    def _weighted(self, weights: ArrayLike) -> Array:
-        n = self._joints.shape[1]
-        weight = real_array("weights", weights)
-        if weight.shape != (n,) or not (weight >= 0.0).all() or not np.isfinite(weight).all():
-            raise ShapeError(f"weights must be {n} finite numbers, none negative; {weight} came")
-        return np.concatenate([self._joints[:3], weight[None]])
 
     def _general(self, T: ArrayLike, q0: ArrayLike, joints: Array, threads: int) -> IkNearest:
         """Rows of targets and of joints, which broadcast."""
@@ -112,11 +116,18 @@ class Nearest:
 
     def _choose(self, T: Array, reference: Array, joints: Array, found: Sequence[NDArray[Any]]) -> None:
         """Write joints, status and number of the nearest branch for rows."""
-        branches, status = self._arm.ik(T)[:2]
+        solved = self._arm.ik(T)
         start = np.require(reference, requirements=("C", "W"))
         q, taken, number = found
-        nearest_of_rows(branches, status, start, joints, q, taken, number)
-        q[:] = self._kept(T, q, reference, taken == IkStatus.SINGULAR)
+        nearest_of_rows(solved.q, solved.status, start, joints, q, taken, number)
+        free = np.flatnonzero(number < 0)
+        if len(free):
+            some = IkResult(solved.q[free], solved.status[free], solved.names)
+            to = Reference(start[free], *joints)
+            q[free], taken[free], number[free] = self._choose_free(T[free], some, to)
+        far = np.flatnonzero(np.abs(q - start).max(-1) > NEAR)
+        there = far[self._reaches(start[far], T[far])]
+        q[there], taken[there] = start[there], IkStatus.SINGULAR
 
     def _targets(self, T: ArrayLike) -> Array:
         """Targets of the right shape; whether they are poses is for `Arm.ik` to see."""
@@ -128,27 +139,30 @@ class Nearest:
             return target
         return check_pose(target, "T")
 
-    def _kept(self, T: ArrayLike, q: Array, reference: Array, singular: NDArray[np.bool_]) -> Array:
-        """Singular branches with their free joints as in the reference, where that holds the target."""
-        if not singular.any():
-            return q
-        from holonom.numeric.svd import svd  # compiled code, on first use
+    def _choose_free(self, T: Array, found: IkResult, to: Reference) -> tuple[Array, NDArray[Any], NDArray[np.intp]]:
+        """Joints, status and number of the nearest solution for rows in which a joint is free in some branch."""
+        rows = len(found.status)
+        reached, free = found.status != IkStatus.UNREACHABLE, found.status >= IkStatus.SINGULAR
+        owner, branch = np.nonzero(free)
+        q = self._turned(found.q, to)
+        beyond = (found.status == IkStatus.LIMIT).astype(float)
+        q[owner, branch], beyond[owner, branch] = nearest_members(self._arm, T, found.q[owner, branch], owner, to)
+        rank = np.where(reached, beyond > 0.0, 2)
+        apart = (to.weights * np.abs(q - to.q0[:, None])).max(-1)
+        number = np.lexsort((np.round(apart, 12), rank))[..., 0] if rows else np.empty(0, np.intp)
+        row = np.arange(rows)
+        status = np.where(beyond > 0.0, IkStatus.LIMIT, np.where(free, IkStatus.SINGULAR, found.status))
+        return q[row, number], status[row, number], number
 
-        arm, target = self._arm, np.asarray(T, dtype=float)
-        _, s, Vt = svd(arm.jacobian(q)[..., : self._rows, :])
-        spare = Vt.shape[-1] - s.shape[-1]
-        s = np.concatenate([s, np.zeros((*s.shape[:-1], spare))], axis=-1)
-        free = np.where(s[..., None] < FREE, Vt, 0.0)
-        moved = q + np.einsum("...ki,...kj,...j->...i", free, free, reference - q)
-        inside = ((moved >= arm.limits.lower) & (moved <= arm.limits.upper)).all(-1)
-        reached = arm.fk(moved)
-        if target.shape[-1] == 3:
-            missed = np.abs(reached[..., :3, 3] - target).max(-1)
-        elif self._rows == 3:
-            missed = np.abs(reached - target)[..., :3, 3].max(-1)
-        else:
-            missed = np.abs(reached - target).max((-1, -2))
-        return np.where((singular & inside & (missed < FREE))[..., None], moved, q)
+    def _reaches(self, q0: Array, T: Array) -> NDArray[np.bool_]:
+        """Whether references (N, n) reach their targets themselves, within the limits."""
+        goal = T[:, :3, 3] if self._rows == 3 and T.ndim == 3 else T
+        missed = np.linalg.norm(pose_error(self._arm.fk(q0), goal, self._rows), axis=-1)
+        limits = self._arm.limits
+        return np.asarray((missed < REACHED) & ~outside(q0, limits.lower, limits.upper).any(-1))
+
+    def _turned(self, q: Array, to: Reference) -> Array:
+        return whole_turns(q, to.q0[:, None], to.lower, to.upper, to.turns)
 
 
 def _rows(a: NDArray[Any], lead: tuple[int, ...], shape: tuple[int, ...]) -> NDArray[Any]:

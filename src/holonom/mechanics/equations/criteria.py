@@ -23,7 +23,7 @@ def distance_from_limits(model: ArmModel, q: Vector, preferred: Vector) -> Numbe
     del preferred
     total: Number = 0.0
     for i, value in zip(model.independent, q, strict=True):
-        limits = model.joints[i].limits
+        limits = model.limits(i)
         span = limits.upper - limits.lower
         if math.isfinite(span):
             off = (value - (limits.lower + 0.5 * span)) * (1.0 / span)

@@ -115,25 +115,29 @@ def carrying(model: ArmModel, joint: int) -> set[int]:
     return path
 
 
-def jacobian(model: ArmModel, q: Vector, expressed_in: str) -> list[Number]:
-    """Rows of the geometric Jacobian (6, n) of the tool point, [v; w], in the world, base or tool frame.
+def jacobian(
+    model: ArmModel, q: Vector, expressed_in: str, joint: int | None = None, offset: Pose | None = None
+) -> list[Number]:
+    """Rows of the geometric Jacobian (6, n) of a frame's origin, [v; w], in the world, base, tool or its own frame.
 
-    Column i: revolute [z x (p - p_i); z], prismatic [z; 0] (specification 1.4); 0 where the joint does not carry
-    the tool.
+    The frame is as in `pose`, the tool unless given. Column i: revolute [z x (p - p_i); z], prismatic [z; 0]
+    (specification 1.4); 0 where the joint does not carry the frame.
     """
     T = frames(model, q)
-    R_tool, p_tool = T[-1]
-    R_from = {"world": None, "base": T[0][0], "tool": R_tool}[expressed_in]
-    path = carrying(model, model.tool_joint)
+    carrier = model.tool_joint if joint is None else joint
+    own = T[-1] if joint is None else T[joint + 1]
+    R_own, p_own = own if offset is None else compose(own, offset)
+    R_from = {"world": None, "base": T[0][0], "tool": T[-1][0], "own": R_own}[expressed_in]
+    path = carrying(model, carrier)
     columns_: list[list[Number]] = []
-    for i, joint in enumerate(model.joints):
+    for i, link in enumerate(model.joints):
         R, p = T[model.parent(i) + 1]
-        Rb, pb = split(joint.before)
+        Rb, pb = split(link.before)
         z = columns(matmul(R, Rb))[2]
         v: Vector = [0.0] * 3
         w: Vector = [0.0] * 3
         if i in path:
-            w, v = FREEDOMS[joint.kind].twist(z, sub(p_tool, add(p, matvec(R, pb))))
+            w, v = FREEDOMS[link.kind].twist(z, sub(p_own, add(p, matvec(R, pb))))
         if R_from is not None:
             v, w = tvec(R_from, v), tvec(R_from, w)
         columns_.append([*v, *w])

@@ -93,7 +93,7 @@ def motion_ranges(model: ArmModel) -> tuple[Array, Array, Array]:
     """Position (2, n), speed (n,) and acceleration (n,) limits, finite ones in place of those that are not stated."""
     joints = [model.joints[i] for i in model.independent]
     reach = np.array([np.pi if joint.turns else 1.0 for joint in joints])
-    limits = [joint.limits for joint in joints]
+    limits = [model.limits(i) for i in model.independent]
     lower, upper = np.array([b.lower for b in limits]), np.array([b.upper for b in limits])
     lower = np.where(np.isfinite(lower), lower, np.where(np.isfinite(upper), upper - 2 * reach, -reach))
     upper = np.where(np.isfinite(upper), upper, lower + 2 * reach)

@@ -29,11 +29,12 @@ def _scalars(values: Vector) -> list[Scalar]:
     return [v for v in values if isinstance(v, Scalar)]
 
 
-def frame_named(options: Options) -> str:
-    """The frame of a Jacobian, one of three."""
+def frame_named(options: Options, *, own: bool = False) -> str:
+    """The frame of a Jacobian, one of three; `own`: or the one that it is the Jacobian of."""
     frame = str(options.get("frame", "world"))
-    if frame not in ("world", "base", "tool"):
-        raise UnknownName("Jacobian frame", frame, ("world", "base", "tool"))
+    known = ("world", "base", "tool", *(("own",) if own else ()))
+    if frame not in known:
+        raise UnknownName("Jacobian frame", frame, known)
     return frame
 
 

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import Array
 from holonom.mechanics.kernels.inverse.closed_form import ClosedForm
+from holonom.mechanics.kernels.inverse.result import IkNearest, IkResult
 from holonom.model import ArmModel
 from holonom.trace import Kernel
 
@@ -43,8 +44,13 @@ class SolvedArm(Protocol):
     def jacobian(self, q: ArrayLike, /) -> Array:
         """J (..., 6, n) in the world."""
 
-    def ik(self, T: ArrayLike, /) -> Any:
+    def ik(self, T: ArrayLike, q0: ArrayLike | None = None, *, threads: int = 1) -> IkResult:
         """All branches of the closed form."""
+
+    def ik_nearest(
+        self, T: ArrayLike, q0: ArrayLike, *, weights: ArrayLike | None = None, threads: int = 1
+    ) -> IkNearest:
+        """The nearest solution."""
 
     @property
     def limits(self) -> Limits:

@@ -68,12 +68,16 @@ def _all_frames(model: ArmModel, options: Options) -> Kernel:
 
 
 def _jacobian(model: ArmModel, options: Options) -> Kernel:
-    n, frame = len(model.independent), jacobian.frame_named(options)
+    """Of one frame, or of several: `of` is a name, or a tuple of names."""
+    n, frame, of = len(model.independent), jacobian.frame_named(options, own=True), options["of"]
+    places = [frame_of(model, name) for name in ((of,) if isinstance(of, str) else of)]
 
     def equation(here: Here, q: Vector) -> list[Number]:
-        return kinematics.jacobian(here.model, q, frame)
+        return [entry for place in places for entry in kinematics.jacobian(here.model, q, frame, *place)]
 
-    return compile_here(model, options, equation, {"q": n}, {"J": (6, n)}, name=f"jacobian_{frame}")
+    shape = (6, n) if isinstance(of, str) else (len(of), 6, n)
+    which = "" if of == "tool" else f"_{of if isinstance(of, str) else '_'.join(of)}"
+    return compile_here(model, options, equation, {"q": n}, {"J": shape}, name=f"jacobian_{frame}{which}")
 
 
 def _joint_torques(model: ArmModel, options: Options) -> Kernel:
@@ -156,7 +160,8 @@ KERNELS: Mapping[str, Builder] = {
 _LOADED: Options = {"friction": None, "wrench_frame": None}
 OPTIONS: Mapping[str, Options] = {
     "fk": {"frame": "tool"},
-    **{name: {"frame": "world"} for name in ("jacobian", "joint_torques", *jacobian.FRAMED)},
+    "jacobian": {"frame": "world", "of": "tool"},
+    **{name: {"frame": "world"} for name in ("joint_torques", *jacobian.FRAMED)},
     "analytic_jacobian": {"angles": None},
     "floating_inverse": {"friction": None},
     "floating_forward": {"friction": None},

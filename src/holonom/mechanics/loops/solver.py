@@ -13,8 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.arrays import Array
+from holonom.arrays import REVOLUTION, Array
 from holonom.mechanics.loops.pose_check import is_rigid
+from holonom.model import LIMIT_TOLERANCE
 from holonom.trace.call.pointer import call_kernel
 from holonom.trace.code.loops import loop
 
@@ -35,7 +36,9 @@ OK, NOT_CONVERGED, LIMIT = 0, 1, 2
 DAMPING = 0.03
 """Damping of a step per square of the weighted error."""
 LARGEST_STEP = 1.0
-"""Largest step of a joint, rad or m."""
+"""Largest step of a joint that turns, rad; what slides moves in proportion, as far as it has to."""
+FARTHEST = 12.0
+"""Weighted square of the error from which on damping grows no more: half a turn, and two arm's lengths away."""
 STALL = 0.8
 """A step that leaves more than this share of the squared error is a poor one; three in a row end an attempt."""
 CLIMB_ROUNDS, CLIMB_STEP, CLIMB_END = 60, 0.1, 1e-6
@@ -46,7 +49,7 @@ class Chain(NamedTuple):
     """An arm, as arrays (n,): joints move within `lower` .. `upper`.
 
     Restarts are drawn from `origin` + [0, 1) `span` by the additive sequence of `stride`; a joint at its limit may be
-    turned by `turn` (0: not).
+    turned by `turn` (0: not). `turns` is 1 for joints that turn, 0 for those that slide.
     """
 
     lower: Array
@@ -55,6 +58,7 @@ class Chain(NamedTuple):
     span: Array
     stride: Array
     turn: Array
+    turns: Array
 
 
 class Search(NamedTuple):
@@ -175,6 +179,14 @@ def _largest(a: Array) -> float:
 
 
 @loop(error_model="numpy")
+def _largest_turn(chain: Any, step: Array) -> float:
+    largest = 0.0
+    for k in range(step.shape[0]):
+        largest = max(largest, chain.turns[k] * abs(step[k]))
+    return largest
+
+
+@loop(error_model="numpy")
 def _evaluate(search: Any, q: Array, room: Any) -> float:
     """Put the task at q into `room.state`; return the residual squared. The goal stands in `room.source`."""
     _copy(q, 0, q.shape[0], room.source, 0)
@@ -193,8 +205,8 @@ def _descend(chain: Any, search: Any, room: Any) -> tuple[float, int, bool]:
         steps += 1
         pressed = _release(q, chain.lower, chain.upper, state, free)
         _copy(state, 1, 6, normal, 21)
-        damped_step(search.multipliers, state, free, DAMPING * cost * boost, room)
-        _move(chain, q, room.step, min(1.0, LARGEST_STEP / (_largest(room.step) + 1e-300)), source)
+        damped_step(search.multipliers, state, free, DAMPING * min(cost, FARTHEST) * boost, room)
+        _move(chain, q, room.step, min(1.0, LARGEST_STEP / (_largest_turn(chain, room.step) + 1e-300)), source)
         call_kernel(search.task, source, trial)
         trial_cost = _cost(trial)
         poor = poor + 1 if trial_cost > STALL * cost else 0
@@ -362,11 +374,11 @@ def solve_one(
         if not abs(x) < np.inf:
             return -1
     for k in range(start.shape[0]):
-        if not abs(start[k]) < np.inf:
+        if not abs(start[k]) <= REVOLUTION:
             return -1
-        if bounded and not limits[0, k] - 1e-9 <= start[k] <= limits[1, k] + 1e-9:
+        if bounded and not limits[0, k] - LIMIT_TOLERANCE <= start[k] <= limits[1, k] + LIMIT_TOLERANCE:
             return -1
-    chain = Chain(limits[0], limits[1], limits[2], limits[3], limits[4], limits[5])
+    chain = Chain(limits[0], limits[1], limits[2], limits[3], limits[4], limits[5], limits[6])
     search = Search(whole[0], whole[1], whole[2], numbers[1:], numbers[0], whole[3], whole[4], whole[5])
     room = scratch(n, search.weights.shape[0])
     for i in range(3):

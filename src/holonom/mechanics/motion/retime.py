@@ -13,6 +13,7 @@ from holonom.arrays import Array, real_array
 from holonom.errors import MotionError, OutOfLimits, ShapeError
 from holonom.mechanics.motion.joint_path import JointPath, check_smooth, place_of
 from holonom.mechanics.motion.trajectory import JointLimits, Trajectory
+from holonom.model import outside
 
 __all__ = ["DynamicArm", "retime"]
 
@@ -176,9 +177,9 @@ def _friction(arm: DynamicArm, course: _Course, rate: Array) -> Array:
 
 
 def _check_positions(path: JointPath, course: _Course, limits: JointLimits) -> None:
-    outside = (course.q < limits.lower - 1e-9) | (course.q > limits.upper + 1e-9)
-    if outside.any():
-        row, j = np.unravel_index(int(np.argmax(outside)), outside.shape)
+    beyond = outside(course.q, limits.lower, limits.upper)
+    if beyond.any():
+        row, j = np.unravel_index(int(np.argmax(beyond)), beyond.shape)
         raise MotionError(
             f"{place_of(path, float(course.s[row]))} {limits.names[j]} is outside its limits {limits.lower[j]:.6g} to "
             f"{limits.upper[j]:.6g}; lead the path another way"

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, real_array
-from holonom.errors import MotionError, OutOfLimits, ShapeError
+from holonom.errors import MotionError, NotFinite, OutOfLimits, ShapeError
+from holonom.model import outside
 
 __all__ = ["STILL", "JointLimits", "Trajectory", "check_inside", "joint_vector", "remainder", "standstill"]
 
@@ -92,15 +93,15 @@ def joint_vector(name: str, value: ArrayLike, n: int) -> Array:
         raise ShapeError(f"{name} has shape {vector.shape}; the arm has {n} joints, give shape ({n},)")
     if not np.isfinite(vector).all():
         k = int(np.argmin(np.isfinite(vector)))
-        raise ShapeError(f"{name}[{k}] is {vector[k]} of {vector}; give finite joint positions")
+        raise NotFinite(f"{name}[{k}] is {vector[k]} of {vector}; give finite joint positions")
     return vector
 
 
 def check_inside(q: Array, limits: JointLimits) -> None:
     """Raise `OutOfLimits` where a position in `q` (n,) lies outside its limits."""
-    outside = (q < limits.lower) | (q > limits.upper)
-    if outside.any():
-        j = int(np.argmax(outside))
+    beyond = outside(q, limits.lower, limits.upper)
+    if beyond.any():
+        j = int(np.argmax(beyond))
         raise OutOfLimits(
             f"{limits.names[j]} is to go to {q[j]:.6g}; "
             f"its limits are {limits.lower[j]:.6g} to {limits.upper[j]:.6g} (rad or m)"

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from holonom.arrays import Array, real_array
 from holonom.errors import MissingExtra, MotionError, OutOfLimits, ShapeError
 from holonom.mechanics.motion.trajectory import JointLimits, Trajectory, check_inside, joint_vector
+from holonom.model import outside
 
 __all__ = ["plan_transfer"]
 
@@ -110,10 +111,10 @@ def _solve(ruckig: Any, first: list[Array], last: list[Array], limits: JointLimi
 
 
 def _check_way(q: Array, limits: JointLimits) -> None:
-    outside = (q < limits.lower - 1e-9) | (q > limits.upper + 1e-9)
-    if outside.any():
-        j = int(np.argmax(outside.any(axis=0)))
-        worst = q[np.argmax(outside[:, j]), j]
+    beyond = outside(q, limits.lower, limits.upper)
+    if beyond.any():
+        j = int(np.argmax(beyond.any(axis=0)))
+        worst = q[np.argmax(beyond[:, j]), j]
         raise MotionError(
             f"{limits.names[j]} would go to {worst:.6g} on the way; its limits are {limits.lower[j]:.6g} to "
             f"{limits.upper[j]:.6g} (rad or m): start slower, or take a way round"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from holonom.arrays import Array
-from holonom.errors import CalibrationError, ShapeError
+from holonom.errors import CalibrationError, NotFinite, ShapeError
 from holonom.mobile.odometry import integrate
 
 __all__ = ["PathErrors", "Run", "dead_reckoning", "need_truth", "path_errors"]
@@ -46,7 +46,7 @@ class Run:
             )
         for name in ("time", "turns", "truth", "steering"):
             if not np.all(np.isfinite(getattr(self, name))):
-                raise ShapeError(f"run {self.name}: {name} holds NaN or infinity; repair the log")
+                raise NotFinite(f"run {self.name}: {name} holds NaN or infinity; repair the log")
 
     def _numbers(self, name: str) -> Array:
         """Lists too."""

@@ -27,8 +27,9 @@ from __future__ import annotations
 import dataclasses
 import math
 
-from holonom.model.arm import ArmModel, Body, JointLimits, Transform
+from holonom.model.arm import ArmModel, Body, Transform
 from holonom.model.dh import DHRow, arm_model_from_dh
+from holonom.model.limits import JointLimits
 
 __all__ = ["model"]
 

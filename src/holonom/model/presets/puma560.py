@@ -27,8 +27,9 @@ from __future__ import annotations
 
 import math
 
-from holonom.model.arm import ArmModel, Body, Friction, Joint, JointLimits, Motor
+from holonom.model.arm import ArmModel, Body, Friction, Joint, Motor
 from holonom.model.dh import DHRow, joint_transforms
+from holonom.model.limits import JointLimits
 
 __all__ = ["model"]
 

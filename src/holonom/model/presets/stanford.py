@@ -25,9 +25,10 @@ from __future__ import annotations
 import dataclasses
 import math
 
-from holonom.model.arm import ArmModel, Body, JointLimits, Motor
+from holonom.model.arm import ArmModel, Body, Motor
 from holonom.model.dh import DHRow, arm_model_from_dh
 from holonom.model.joint_kinds import kind_of
+from holonom.model.limits import JointLimits
 
 __all__ = ["model"]
 

@@ -20,8 +20,9 @@ from __future__ import annotations
 import dataclasses
 import math
 
-from holonom.model.arm import ArmModel, Friction, JointLimits, Motor
+from holonom.model.arm import ArmModel, Friction, Motor
 from holonom.model.dh import DHRow, arm_model_from_dh
+from holonom.model.limits import JointLimits
 from holonom.model.presets.shapes import cylinder
 
 __all__ = ["model"]

@@ -22,8 +22,9 @@ from __future__ import annotations
 import dataclasses
 import math
 
-from holonom.model.arm import ArmModel, Body, JointLimits
+from holonom.model.arm import ArmModel, Body
 from holonom.model.dh import DHRow, arm_model_from_dh
+from holonom.model.limits import JointLimits
 
 __all__ = ["model"]
 

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from holonom.arrays import Array
-from holonom.model.arm import Body, Friction, JointLimits
+from holonom.model.arm import Body, Friction
 from holonom.model.joint_kinds import JOINT_KINDS, kind_of
+from holonom.model.limits import JointLimits
 from holonom.model.urdf.elements import Element, fault
 
 __all__ = ["UrdfJoint", "UrdfLink", "UrdfMimic", "read_joint", "read_link"]

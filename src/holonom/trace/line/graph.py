@@ -205,6 +205,12 @@ class Scalar(_Value):
 Number = Scalar | float
 
 
+def turning_inputs(graph: Graph, live: Iterable[int]) -> set[str]:
+    """Names of the inputs that sines and cosines among some nodes are taken of."""
+    angles = [Scalar(graph, a) for i in live for a in graph.ops[i][1:] if graph.ops[i][0] in ("sin", "cos")]  # type: ignore[arg-type]
+    return {str(graph.ops[i][1]) for i in live_nodes(graph, angles) if graph.ops[i][0] == "in"}
+
+
 def live_nodes(graph: Graph, outputs: Iterable[Scalar]) -> list[int]:
     """Return the nodes that the outputs depend on, operands first: what is left is dead code."""
     live: set[int] = set()

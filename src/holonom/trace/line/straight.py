@@ -14,6 +14,7 @@ from holonom.trace.line.graph import Graph, Scalar, live_nodes
 
 __all__ = [
     "BLOCK_FLAGS",
+    "LARGEST",
     "SCALAR_FLAGS",
     "TOGETHER",
     "Field",
@@ -27,6 +28,8 @@ __all__ = [
     "straight_line",
 ]
 
+LARGEST = 1e100
+"""Largest length of an input."""
 TOGETHER = (16, 8, 4, 2, 1)
 """Numbers of a row that are written together, best first."""
 Results = Mapping[str, list[str]]
@@ -37,11 +40,16 @@ CALLS = {"atan2": "arctan2"}
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A named input or output array of one sample: its shape and whether it holds small integers (`int8`)."""
+    """A named input or output array of one sample: its shape and whether it holds small integers (`int8`).
+
+    An input's length, the root of the sum of its squares, may be up to `bound`: products of larger numbers overflow,
+    and of an angle beyond `REVOLUTION` no revolution can be told.
+    """
 
     name: str
     shape: tuple[int, ...]
     integer: bool = False
+    bound: float = LARGEST
 
     @property
     def width(self) -> int:

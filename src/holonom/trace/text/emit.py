@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
+import sys
 from collections.abc import Sequence
 from typing import Protocol
 
@@ -63,13 +64,24 @@ def _names(fields: Sequence[Field]) -> list[str]:
 
 
 def _check(inputs: Sequence[Field]) -> list[str]:
-    """`check` becomes 0.0 if all inputs are finite, else NaN."""
-    first, *rest = _names(inputs)
-    lines, total = [], first
-    for k, name in enumerate(rest):
-        lines.append(f"_{k} = {total} + {name}")
-        total = f"_{k}"
-    return [*lines, f"check = {total} * 0.0"]
+    """`check` becomes 0.0 if all inputs are finite and none exceeds its bound, else NaN.
+
+    A sum of squares beyond the bound's overflows when it is scaled, and infinity times 0 is NaN.
+    """
+    lines, checks = [], []
+    for n, f in enumerate(inputs):
+        total = ""
+        for k, name in enumerate(_names([f])):
+            lines.append(f"_{n}s{k} = {name} * {name}")
+            if total:
+                lines.append(f"_{n}t{k} = {total} + _{n}s{k}")
+            total = f"_{n}t{k}" if total else f"_{n}s{k}"
+        scale = sys.float_info.max / f.bound**2
+        lines += [f"_{n}u = {total} * {scale!r}", f"_{n}v = _{n}u * 0.0"]
+        checks.append(f"_{n}v")
+    for n, one in enumerate(checks[1:]):
+        lines.append(f"_w{n} = {checks[0] if n == 0 else f'_w{n - 1}'} + {one}")
+    return [*lines, f"check = {f'_w{len(checks) - 2}' if len(checks) > 1 else checks[0]} + 0.0"]
 
 
 def lanes_at_once(operations: int) -> int:

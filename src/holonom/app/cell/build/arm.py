@@ -247,13 +247,13 @@ def _with_limits(arm: Arm, home: Array) -> tuple[Arm, tuple[str, ...]]:
     eager: list[str] = []
     joints = list(arm.model.joints)
     for i, b in zip(arm.model.independent, inertia, strict=True):
-        limits, name = joints[i].limits, joints[i].name
-        if not (0.0 < limits.speed < math.inf):
+        limits, known, name = joints[i].limits, arm.model.limits(i), joints[i].name
+        if not (0.0 < known.speed < math.inf):
             limits = dataclasses.replace(limits, speed=SLOW_TURN if joints[i].turns else SLOW_SLIDE)
             slow.append(name)
-        if not (0.0 < limits.acceleration < math.inf):
-            most = 0.5 * limits.torque / b if 0.0 < limits.torque < math.inf and 0.0 < b < math.inf else math.inf
-            limits = dataclasses.replace(limits, acceleration=min(limits.speed / RUN_UP, most))
+        if not (0.0 < known.acceleration < math.inf):
+            most = 0.5 * known.torque / b if 0.0 < known.torque < math.inf and 0.0 < b < math.inf else math.inf
+            limits = dataclasses.replace(limits, acceleration=min(min(limits.speed, known.speed) / RUN_UP, most))
             eager.append(name)
         joints[i] = dataclasses.replace(joints[i], limits=limits)
     if not slow and not eager:

@@ -28,7 +28,7 @@ from holonom.app.fields.quantities import Quantity, Section, Size
 from holonom.app.fields.units import DIMENSIONS, parse_quantity
 from holonom.control import CONTROLLERS
 from holonom.errors import CellError, OutOfLimits, UnknownName
-from holonom.model import Joint
+from holonom.model import Joint, outside
 
 __all__ = ["GripperTool", "Robot", "RodTool"]
 
@@ -153,9 +153,10 @@ def _home(given: Any, info: ValidationInfo) -> Any:
         for number, (value, joint) in enumerate(zip(given, joints, strict=True))
     ]
     faults.raise_any()
-    for joint, value in zip(joints, found, strict=True):
-        if not joint.limits.lower <= value <= joint.limits.upper:
-            low, high = (_written(bound, joint) for bound in (joint.limits.lower, joint.limits.upper))
+    for i, joint, value in zip(source.model.independent, joints, found, strict=True):
+        limits = source.model.limits(i)
+        if outside(value, limits.lower, limits.upper):
+            low, high = (_written(bound, joint) for bound in (limits.lower, limits.upper))
             raise OutOfLimits(f"{_written(value, joint)} came for {joint.name}; {low} to {high} is allowed")
     return tuple(found)
 

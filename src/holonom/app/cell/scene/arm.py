@@ -12,16 +12,14 @@ from holonom.app.recording.scope import Scope
 from holonom.app.report import Box, Disc, Label, Shape, Tube, arm_shapes, gripper_shapes
 from holonom.app.report.drawing.arms import drawn_arms
 from holonom.arrays import Array
-from holonom.model import ArmModel
+from holonom.model import STROKE, ArmModel, reach
 from holonom.spatial import inverse
 
-__all__ = ["arm_reach", "shapes_of_arm"]
+__all__ = ["shapes_of_arm"]
 
 BODY, JOINT, METAL = "#eef1f5", "#33415c", "#aab4c3"
 THICK = 0.045
 """Radius of the first link over the arm's reach; the last one's is half of it."""
-RAIL = 1.0
-"""m of a rail that is drawn at most."""
 
 
 def shapes_of_arm(robot: Robot, foot: str, T_foot: Array) -> list[Shape]:
@@ -33,16 +31,6 @@ def shapes_of_arm(robot: Robot, foot: str, T_foot: Array) -> list[Shape]:
     else:
         body = _links(model, tool=robot.tool is None)
     return [_placed(shape, scope, foot, T_foot) for shape in (*body, *_tool(robot))]
-
-
-def arm_reach(model: ArmModel) -> float:
-    """How far an arm reaches at most: lengths of its links, strokes of its sliding joints, its tool, m."""
-    total = float(np.linalg.norm(np.array(model.tool)[:3, 3]))
-    for joint in model.joints:
-        before, after = (float(np.linalg.norm(np.array(T)[:3, 3])) for T in (joint.before, joint.after))
-        bounds = (0.0, 0.0) if joint.turns else (joint.limits.lower, joint.limits.upper)
-        total += before + after + min(max(map(abs, bounds)), RAIL)
-    return total
 
 
 def _placed(shape: Shape, scope: Scope, foot: str, T: Array) -> Shape:
@@ -71,13 +59,13 @@ def _tool(robot: Robot) -> tuple[Shape, ...]:
 
 def _links(model: ArmModel, *, tool: bool) -> list[Shape]:
     """Tubes between the joints of any arm, and a short one about each joint's axis."""
-    base, reach = np.array(model.base), max(arm_reach(model), 0.05)
+    base, length = np.array(model.base), max(reach(model), 0.05)
     shapes: list[Shape] = []
     carried = _carried(model)
     for child in carried[-1]:
-        shapes += _ground(base, np.array(model.joints[child].before), _radius(reach, 0.0))
+        shapes += _ground(base, np.array(model.joints[child].before), _radius(length, 0.0))
     for i, joint in enumerate(model.joints):
-        frame, r = f"link{i + 1}", _radius(reach, i / len(model.joints))
+        frame, r = f"link{i + 1}", _radius(length, i / len(model.joints))
         start = inverse(np.array(joint.after))
         axis = start[:3, 2]
         own = start[:3, 3]
@@ -102,8 +90,8 @@ def _carried(model: ArmModel) -> dict[int, list[int]]:
     return found
 
 
-def _radius(reach: float, along: float) -> float:
-    return THICK * reach * (1.0 - 0.5 * along)
+def _radius(length: float, along: float) -> float:
+    return THICK * length * (1.0 - 0.5 * along)
 
 
 def _ground(base: Array, before: Array, r: float) -> list[Shape]:
@@ -117,7 +105,7 @@ def _rail(model: ArmModel, i: int, r: float) -> Shape:
     """The way of a sliding joint, in the frame that carries it."""
     joint, parent = model.joints[i], model.parent(i)
     T = np.array(joint.before)
-    low, high = np.clip((joint.limits.lower, joint.limits.upper), -RAIL, RAIL)
+    low, high = np.clip((joint.limits.lower, joint.limits.upper), -STROKE, STROKE)
     start, end = (T[:3, 3] + q * T[:3, 2] for q in (min(low, 0.0), max(high, 0.0)))
     if parent >= 0:
         return _bar(f"link{parent + 1}", start, end, r, METAL)

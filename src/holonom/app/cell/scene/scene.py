@@ -12,7 +12,7 @@ from holonom.app.cell.model.cell import Cell
 from holonom.app.cell.model.places import placement_pose
 from holonom.app.cell.model.robot import Robot
 from holonom.app.cell.model.world import SurfaceTable, Tray
-from holonom.app.cell.scene.arm import arm_reach, shapes_of_arm
+from holonom.app.cell.scene.arm import shapes_of_arm
 from holonom.app.cell.scene.base import patch_shapes, path_shapes, reach_of, shapes_of_base
 from holonom.app.cell.scene.views import views_of
 from holonom.app.job import ArmJob, BaseJob, Obstacle
@@ -21,6 +21,7 @@ from holonom.app.report import Box, Scene, Shape, Tube
 from holonom.app.report import Disc as DiscShape
 from holonom.arrays import Array
 from holonom.machine.group import planar_pose
+from holonom.model import reach
 from holonom.sim import Disc
 from holonom.spatial import inverse, pose
 
@@ -156,8 +157,8 @@ def _reaches(cell: Cell, arms: Sequence[ArmJob], bases: Sequence[BaseJob]) -> li
     spheres: list[Sphere] = []
     for robot, arm in zip([robot for robot in cell.robot if robot.is_arm], arms, strict=True):
         _, T = _foot(robot, arms, bases)
-        reach = 0.7 * arm_reach(robot.source.model)
-        spheres += [((way @ T)[:3, 3] + [0.0, 0.0, 0.3 * reach], reach) for way in _carried(arm, bases)]
+        far = 0.7 * reach(robot.source.model)
+        spheres += [((way @ T)[:3, 3] + [0.0, 0.0, 0.3 * far], far) for way in _carried(arm, bases)]
     return spheres
 
 
@@ -166,7 +167,7 @@ def _standing(arms: Sequence[ArmJob], bases: Sequence[BaseJob]) -> list[Sphere]:
     spheres: list[Sphere] = []
     for arm in arms:
         frames = arm.arm.frames(arm.home)
-        thick = 0.08 * arm_reach(arm.arm.model)
+        thick = 0.08 * reach(arm.arm.model)
         if arm.mount is not None:
             carrier = next((base for base in bases if base.name == arm.mount.robot), None)
             frames = (arm.mount.T if carrier is None else carrier.frames[arm.mount.frame] @ arm.mount.T) @ frames

@@ -26,7 +26,7 @@ from holonom.mechanics.equations.inverse.subproblems import (
 from holonom.mechanics.equations.vectors import Vector, cross, dot, scale, sub
 from holonom.trace import Number, absolute, atan2, cos, less, less_equal, maximum, minimum, select, sqrt
 
-__all__ = ["NAMES", "general", "quartic_roots"]
+__all__ = ["NAMES", "Line", "general", "in_order", "on_circle", "quartic_roots", "round_order"]
 
 NAMES = ("det+ first", "det+ second", "det- first", "det- second")
 COMPLEX = 1e-4
@@ -37,7 +37,7 @@ POLISH = 4
 """Newton steps on the circle after the closed form, each of at most 0.1 rad."""
 
 
-class _Line(NamedTuple):
+class Line(NamedTuple):
     """k0 + k1 cos + k2 sin."""
 
     k0: Number
@@ -45,9 +45,11 @@ class _Line(NamedTuple):
     k2: Number
 
     def at(self, t: Turn) -> Number:
+        """Its value."""
         return self.k0 + self.k1 * t.c + self.k2 * t.s
 
     def slope(self, t: Turn) -> Number:
+        """Its derivative by the angle."""
         return self.k2 * t.c - self.k1 * t.s
 
 
@@ -63,24 +65,24 @@ def general(screws: Sequence[Screw], c: Vector, w: Vector) -> list[Branch]:
     target, d = sub(w, first.p), sub(second.p, first.p)
     u, v, free = _first_turn(screws, c, target, d)
     placed = []
-    for k, (q3, real) in enumerate(_on_circle(u, v)):
+    for k, (q3, real) in enumerate(on_circle(u, v)):
         back, _ = unit(u.at(q3), v.at(q3))
         y, x = sub(rotated(first.h, back, target), d), sub(moved(third, q3, c), second.p)
         q2, loose = turn_onto(second.h, x, y, second.rest)
         lever = rotated(second.h, q2, cross(third.h, sub(moved(third, q3, c), third.p)))
         determinant = dot(cross(cross(first.h, [a + b for a, b in zip(y, d, strict=True)]), cross(second.h, y)), lever)
         half = select(real, select(less(determinant, 0.0), 1.0, 0.0), float(k % 2))
-        place = 8.0 * half + select(real, _round_order(q3), 3.0)
+        place = 8.0 * half + select(real, round_order(q3), 3.0)
         placed.append((place, Branch([reverse(back), q2, q3], free | loose)))
-    return _in_order(placed)
+    return in_order(placed)
 
 
-def _round_order(t: Turn) -> Number:
+def round_order(t: Turn) -> Number:
     """A number in [-2, 2] that grows with the angle from -pi to pi."""
     return select(less(t.s, 0.0), t.c - 1.0, 1.0 - t.c)
 
 
-def _in_order(placed: Sequence[tuple[Number, Branch]]) -> list[Branch]:
+def in_order(placed: Sequence[tuple[Number, Branch]]) -> list[Branch]:
     """Four branches by their places: a sorting network, for a traced program has no other."""
     rows = [[place, *(x for turn in b.values for x in turn), select(b.free, 1.0, 0.0)] for place, b in placed]  # type: ignore[union-attr]
     for i, j in ((0, 1), (2, 3), (0, 2), (1, 3), (1, 2)):
@@ -92,27 +94,25 @@ def _in_order(placed: Sequence[tuple[Number, Branch]]) -> list[Branch]:
     ]
 
 
-def _first_turn(screws: Sequence[Screw], c: Vector, target: Vector, d: Vector) -> tuple[_Line, _Line, Truth]:
+def _first_turn(screws: Sequence[Screw], c: Vector, target: Vector, d: Vector) -> tuple[Line, Line, Truth]:
     """cos(-q1) and sin(-q1) as lines in q3, and whether joint 1 is free."""
     first, second, third = screws
     h1, h2, h3 = first.h, second.h, third.h
     e, f, along = sub(third.p, second.p), sub(c, third.p), dot(h1, target)
     side, side3 = cross(h1, target), cross(h3, f)
     flat, flat3, fixed = cross(side, h1), cross(side3, h3), scale(dot(h3, f), h3)
-    height = _Line(
-        dot(h2, sub(third.p, first.p)) + dot(h2, fixed) - dot(h2, h1) * along, dot(h2, flat3), dot(h2, side3)
-    )
+    height = Line(dot(h2, sub(third.p, first.p)) + dot(h2, fixed) - dot(h2, h1) * along, dot(h2, flat3), dot(h2, side3))
     half = 0.5 * (dot(target, target) + dot(d, d) - dot(e, e) - dot(f, f))
-    distance = _Line(half - dot(e, fixed) - dot(d, h1) * along, -dot(e, flat3), -dot(e, side3))
+    distance = Line(half - dot(e, fixed) - dot(d, h1) * along, -dot(e, flat3), -dot(e, side3))
     a, b, p, q = dot(h2, flat), dot(h2, side), dot(d, flat), dot(d, side)
     free = less_equal(dot(side, side), FREE * FREE)
     k = 1.0 / select(free, 1.0, a * q - b * p)
-    u = _Line(*((m * q - n * b) * k for m, n in zip(height, distance, strict=True)))
-    v = _Line(*((n * a - m * p) * k for m, n in zip(height, distance, strict=True)))
+    u = Line(*((m * q - n * b) * k for m, n in zip(height, distance, strict=True)))
+    v = Line(*((n * a - m * p) * k for m, n in zip(height, distance, strict=True)))
     return u, v, free
 
 
-def _on_circle(u: _Line, v: _Line) -> list[tuple[Turn, Truth]]:
+def on_circle(u: Line, v: Line) -> list[tuple[Turn, Truth]]:
     """The four turns with u^2 + v^2 = 1, and whether they are real; of a complex pair the real part, twice.
 
     The half-angle's tangent makes a quartic. Its leading coefficient is the function opposite to where angles are
@@ -142,18 +142,18 @@ def _on_circle(u: _Line, v: _Line) -> list[tuple[Turn, Truth]]:
     return found
 
 
-def _residual(u: _Line, v: _Line, t: Turn) -> Number:
+def _residual(u: Line, v: Line, t: Turn) -> Number:
     a, b = u.at(t), v.at(t)
     return a * a + b * b - 1.0
 
 
-def _in_tangent(line: _Line, start: Turn) -> tuple[Number, Number, Number]:
+def _in_tangent(line: Line, start: Turn) -> tuple[Number, Number, Number]:
     """Coefficients of (1 + t^2) times the line, t the tangent of half the angle from `start`."""
     along, across = line.at(start) - line.k0, line.slope(start)
     return line.k0 + along, 2.0 * across, line.k0 - along
 
 
-def _polished(u: _Line, v: _Line, t: Turn) -> Turn:
+def _polished(u: Line, v: Line, t: Turn) -> Turn:
     for _ in range(POLISH):
         slope = 2.0 * (u.at(t) * u.slope(t) + v.at(t) * v.slope(t))
         flat = less(absolute(slope), 1e-12)

@@ -5,6 +5,7 @@ G = T_0n M^-1 = (R, p) = E1 ... En: the motion from the home pose.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from holonom.mechanics.equations.inverse.spherical_wrist import across, sine_square
@@ -20,9 +21,13 @@ from holonom.mechanics.equations.inverse.subproblems import (
     turns_to_level,
     two_parallel_turns,
 )
-from holonom.mechanics.equations.vectors import Pose, Vector, add, dot, matvec, scale, sub, tvec
+from holonom.mechanics.equations.vectors import Pose, Vector, add, cross, dot, matvec, scale, sub, tvec
+from holonom.trace import maximum, minimum, sqrt
 
-__all__ = ["planar_point", "planar_pose", "three_parallel"]
+__all__ = ["planar_point", "planar_pose", "remaining", "three_parallel"]
+
+MARGIN = 1e-3
+"""Over the length of links 2 and 3: by what joint 4 stays away from where they fold back upon each other."""
 
 
 def three_parallel(screws: Sequence[Screw], G: Pose) -> list[Branch]:
@@ -30,7 +35,7 @@ def three_parallel(screws: Sequence[Screw], G: Pose) -> list[Branch]:
 
     That point moves with joints 1 to 4 only, and joints 2 to 4 keep its height along them: q1. The height of the tool
     axis gives q5, the direction of the parallel axes q6; joints 2 to 4 are then a planar arm. Where the tool axis is
-    parallel to them q6 is free; joint 4 is then brought as near to the shoulder as it goes.
+    parallel to them q6 is free; joint 4 is then brought as near to the shoulder as links 2 and 3 let it come.
     """
     R, p = G
     first, parallel, wrist = screws[0], screws[1:4], screws[4:]
@@ -50,23 +55,38 @@ def _two_to_six(parallel: Sequence[Screw], wrist: Sequence[Screw], C: Sequence[V
     """Joints 2 to 6 from what they make of the frame: the columns C of R1^T R, and o, where the wrist's point goes."""
     (s2, s3, s4), (s5, s6) = parallel, wrist
     h, x = s2.h, across(s2.h)
+    lengths = [math.dist(b.p, a.p) for a, b in ((s2, s3), (s3, s4))]
+    least = abs(lengths[0] - lengths[1]) + MARGIN * sum(lengths)
     u = tvec(C, s6.h)
     turns, _ = turns_to_level(s5.h, s6.h, h, dot(h, u), s5.rest, sine_square=sine_square(h, s5.h, s6.h, u))
     branches = []
     for q5 in turns:
         back5 = reverse(q5)
         arm = rotated(s5.h, back5, sub(s4.p, s5.p))
-        folded, _ = turn_onto(s6.h, arm, [dot(c, sub(s2.p, o)) for c in C], reverse(s6.rest))
+        folded = _folded(s6, arm, [dot(c, sub(s2.p, o)) for c in C], least)
         back6, free = turn_onto(s6.h, rotated(s5.h, back5, h), [dot(c, h) for c in C], folded)
         carried = [rotated(s6.h, back6, v) for v in (rotated(s5.h, back5, x), arm)]
         total, _ = turn_onto(h, x, tvec(C, carried[0]))
         for triangle in two_parallel_turns(s2, s3, s4.p, add(o, tvec(C, carried[1]))):
-            values = [*triangle.values, _remaining(total, h, parallel, triangle.values), q5, reverse(back6)]
+            values = [*triangle.values, remaining(total, h, parallel, triangle.values), q5, reverse(back6)]
             branches.append(Branch(values, free | triangle.free))
     return branches
 
 
-def _remaining(total: Turn, h: Vector, screws: Sequence[Screw], values: Sequence[Value]) -> Turn:
+def _folded(last: Screw, arm: Vector, shoulder: Vector, least: float) -> Turn:
+    """The turn back about the last axis that brings joint 4 (`arm`) to the shoulder, but for `least`.
+
+    Both are seen from the last axis: the law of cosines in the plane across it.
+    """
+    onto, _ = turn_onto(last.h, arm, shoulder, reverse(last.rest))
+    a, b = (cross(last.h, v) for v in (arm, shoulder))
+    aa, bb = dot(a, a), dot(b, b)
+    size = sqrt(maximum(aa * bb, 1e-30))
+    cosine = maximum(minimum((0.5 / size) * (aa + bb - least * least), 1.0), -1.0)
+    return followed_by(onto, Turn(cosine, sqrt(maximum(1.0 - cosine * cosine, 0.0))))
+
+
+def remaining(total: Turn, h: Vector, screws: Sequence[Screw], values: Sequence[Value]) -> Turn:
     """The last value of joints parallel to h that turn by `total` about h together, from those of the others."""
     signs = [float(dot(h, s.h)) for s in screws]
     for sign, value in zip(signs[:-1], values, strict=True):
@@ -84,7 +104,7 @@ def planar_pose(screws: Sequence[Screw], G: Pose) -> list[Branch]:
     total, _ = turn_onto(h, x, matvec(R, x))
     branches = []
     for triangle in _triangles(screws, third.p, add(matvec(R, third.p), p)):
-        last = _remaining(total, h, turning, triangle.values[:2])
+        last = remaining(total, h, turning, triangle.values[:2])
         branches.append(Branch(_sorted(screws, [*triangle.values[:2], last, *triangle.values[2:]]), triangle.free))
     return branches
 

@@ -24,7 +24,7 @@ from holonom.mechanics.equations.inverse.subproblems import (
 from holonom.mechanics.equations.vectors import Vector, add, dot, scale, sub
 from holonom.trace import maximum, sqrt
 
-__all__ = ["Regional", "backwards", "meeting_12", "parallel_12_slide", "parallel_23"]
+__all__ = ["Regional", "backwards", "meeting_12", "parallel_12_slide", "parallel_23", "two_turns"]
 
 Regional = Callable[[Sequence[Screw], Vector, Vector], list[Branch]]
 
@@ -50,6 +50,25 @@ def parallel_23(screws: Sequence[Screw], c: Vector, w: Vector) -> list[Branch]:
         y = add(first.p, rotated(first.h, turn, w1))
         for triangle in two_parallel_turns(second, third, c, y):
             branches.append(Branch([opposite(turn), *triangle.values], free | triangle.free))
+    return branches
+
+
+def two_turns(screws: Sequence[Screw], c: Vector, w: Vector) -> list[Branch]:
+    """Two joints, whatever their axes: the first brings c to the height that the second keeps, or they make a triangle.
+
+    A point that they do not reach fails the proof.
+    """
+    first, second = screws
+    if first.h in (second.h, tuple(-x for x in second.h)):
+        return two_parallel_turns(first, second, c, w)
+    back = reverse(first.rest)
+    w1 = sub(w, first.p)
+    turns, free = turns_to_level(first.h, w1, second.h, dot(second.h, sub(c, first.p)), back)
+    branches = []
+    for turn in turns:
+        y = sub(add(first.p, rotated(first.h, turn, w1)), second.p)
+        q2, loose = turn_onto(second.h, sub(c, second.p), y, second.rest)
+        branches.append(Branch([opposite(turn), q2], free | loose))
     return branches
 
 

@@ -29,9 +29,9 @@ __all__ = ["across", "sine_square", "spherical_wrist"]
 
 
 def spherical_wrist(screws: Sequence[Screw], regional: Regional, G: Pose) -> list[Branch]:
-    """Eight branches: those of the first three joints, each with the wrist's two."""
+    """Those of the first joints, three or two, each with the wrist's two."""
     R, p = G
-    arm, wrist = screws[:3], screws[3:]
+    arm, wrist = screws[:-3], screws[-3:]
     centre = wrist[0].p
     h6, x6 = wrist[2].h, across(wrist[2].h)
     u, x = matvec(R, h6), matvec(R, x6)

@@ -3,9 +3,11 @@
 =====================  ==========================================================================  ========
 family                 axes                                                                        task
 =====================  ==========================================================================  ========
-spherical wrist        4, 5, 6 meet; the first three as in `REGIONS`                               pose
+spherical wrist        4, 5, 6 meet; the first three as in `REGIONS`. Or of five joints 3, 4, 5    pose
 spherical shoulder     the same built the other way round: 1, 2, 3 meet                            pose
-three parallel         2 || 3 || 4, 5 meets 6 (UR); or 3 || 4 || 5, 1 meets 2                      pose
+three parallel         2 || 3 || 4 with any 5 and 6 (UR: they meet); or 3 || 4 || 5 with any 1, 2  pose
+five joints            4 meets 5; 3 meets 4; 2 || 3 || 4; 1 || 2 || 3; or the mirror of these      pose
+four joints            any, the first three or their mirror as in `REGIONS`; or 1 || 2 || 3        pose
 planar                 three parallel turns, at most one joint sliding along them (3R, SCARA)      pose
 planar point           two parallel turns, at most one joint sliding along them                    position
 three joints           as the first three joints of a spherical-wrist arm                          position
@@ -32,6 +34,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from holonom.mechanics.equations.inverse.few_joints import middle_meeting, middle_parallel, planar_shoulder, short_wrist
 from holonom.mechanics.equations.inverse.general_arm import NAMES, general
 from holonom.mechanics.equations.inverse.parallel_axes import planar_point, planar_pose, three_parallel
 from holonom.mechanics.equations.inverse.regional import (
@@ -40,7 +43,9 @@ from holonom.mechanics.equations.inverse.regional import (
     meeting_12,
     parallel_12_slide,
     parallel_23,
+    two_turns,
 )
+from holonom.mechanics.equations.inverse.skew_wrist import three_parallel_skew
 from holonom.mechanics.equations.inverse.spherical_wrist import spherical_wrist
 from holonom.mechanics.equations.inverse.subproblems import Branch, Screw, mirrored, opposite
 from holonom.mechanics.equations.vectors import Pose, Vector, scale, transpose, tvec
@@ -50,6 +55,8 @@ from holonom.model import ArmModel
 __all__ = ["FAMILIES", "REGIONS", "ClosedForm", "closed_form"]
 
 Names = Sequence[str]
+CALIBRATED = 5e-3
+"""Sine or length (m) up to which axes of a calibrated arm may miss being parallel or meeting."""
 ROUNDING = 5e-9
 """What an arm may depart from its closed form without refinement (pi / 2 with ten digits)."""
 
@@ -100,14 +107,18 @@ class Region(NamedTuple):
 
 
 def closed_form(model: ArmModel) -> ClosedForm | None:
-    """The closed-form inverse of an arm, if its axes lie as one of `FAMILIES` wants."""
-    chain = screw_chain(model)
-    if chain is None:
-        return None
-    for family, recognise in FAMILIES.items():
-        recipe = recognise(chain)
-        if recipe is not None:
-            return ClosedForm(family, chain, recipe, tuple(sorted(recipe.names, key=_rank)))
+    """The closed-form inverse of an arm, if its axes lie as one of `FAMILIES` wants, or nearly so.
+
+    A calibrated arm's axes are off by what its maker could not make better: the nominal arm's branches are refined.
+    """
+    for alike in (ALIKE, CALIBRATED):
+        chain = screw_chain(model, alike)
+        if chain is None:
+            return None
+        for family, recognise in FAMILIES.items():
+            recipe = recognise(chain)
+            if recipe is not None:
+                return ClosedForm(family, chain, recipe, tuple(sorted(recipe.names, key=_rank)))
     return None
 
 
@@ -188,6 +199,12 @@ def _any(screws: Sequence[Screw], c: Vector) -> Region | None:
     return Region(screws, general, NAMES)
 
 
+def _two_turns(screws: Sequence[Screw], c: Vector) -> Region | None:
+    if _kinds(screws) != "RR":
+        return None
+    return Region(screws, two_turns, ("q2+", "q2-") if parallel(*screws) else ("q1-", "q1+"))
+
+
 REGIONS: Mapping[str, Callable[[Sequence[Screw], Vector], Region | None]] = {
     "2 parallel to 3": _parallel_23,
     "1 parallel to 2": _parallel_12,
@@ -206,26 +223,20 @@ def _region(screws: Sequence[Screw], c: Vector) -> Region | None:
 # --- whole arms -------------------------------------------------------------------------------------------------------
 
 
-def _spherical_wrist(chain: ScrewChain) -> Recipe | None:
-    return _with_wrist(chain.screws)
-
-
 def _with_wrist(screws: Sequence[Screw]) -> Recipe | None:
-    if len(screws) != 6 or _kinds(screws[3:]) != "RRR":
+    """Six joints, or five, of which the last three meet."""
+    if len(screws) not in (5, 6) or _kinds(screws[-3:]) != "RRR":
         return None
-    o, o5 = common_point(screws[3], screws[4]), common_point(screws[4], screws[5])
+    s4, s5, s6 = screws[-3:]
+    o, o5 = common_point(s4, s5), common_point(s5, s6)
     if o is None or o5 is None or np.linalg.norm(np.subtract(o, o5)) > ALIKE:
         return None
-    region = _region(screws[:3], o)
+    region = _region(screws[:3], o) if len(screws) == 6 else _two_turns(screws[:2], o)
     if region is None:
         return None
-    placed = [*region.screws, screws[3]._replace(p=o), *screws[4:]]
+    placed = [*region.screws, s4._replace(p=o), s5, s6]
     names = _named(region.names, ("noflip", "flip"))
     return Recipe("pose", names, lambda G: spherical_wrist(placed, region.solve, G))
-
-
-def _three_parallel(chain: ScrewChain) -> Recipe | None:
-    return _ur(chain.screws)
 
 
 def _ur(screws: Sequence[Screw]) -> Recipe | None:
@@ -238,6 +249,10 @@ def _ur(screws: Sequence[Screw]) -> Recipe | None:
     arms = _elbow_names(screws, o)
     names = [f"{arms[2 * k + e]} {wrist}" for k in (0, 1) for wrist in ("noflip", "flip") for e in (0, 1)]
     return Recipe("pose", names, lambda G: three_parallel(placed, G))
+
+
+def _forwards(recognise: Callable[[Sequence[Screw]], Recipe | None]) -> Callable[[ScrewChain], Recipe | None]:
+    return lambda chain: recognise(chain.screws)
 
 
 def _backwards(recognise: Callable[[Sequence[Screw]], Recipe | None]) -> Callable[[ScrewChain], Recipe | None]:
@@ -258,6 +273,66 @@ def _backwards(recognise: Callable[[Sequence[Screw]], Recipe | None]) -> Callabl
     return backwards_
 
 
+def _skew(screws: Sequence[Screw]) -> Recipe | None:
+    if _kinds(screws) != "RRRRRR" or not parallel(screws[1], screws[2]) or not parallel(screws[1], screws[3]):
+        return None
+    if parallel(screws[0], screws[1]) or parallel(screws[3], screws[4]) or parallel(screws[4], screws[5]):
+        return None
+    names = _named(("first", "second", "third", "fourth"), _elbows(screws[1:3]))
+    return Recipe("pose", names, lambda G: three_parallel_skew(screws, G))
+
+
+def _elbows(screws: Sequence[Screw]) -> tuple[str, str]:
+    """Names of both ways of two parallel turns, the second's larger angle first."""
+    return ("righty", "lefty") if np.dot(screws[0].h, screws[1].h) > 0.0 else ("lefty", "righty")
+
+
+def _short_wrist(screws: Sequence[Screw]) -> Recipe | None:
+    """Four joints, or five of which the last two meet."""
+    if len(screws) not in (4, 5) or "P" in _kinds(screws[3:]):
+        return None
+    last = screws[3:]
+    c = common_point(screws[2], screws[3]) or screws[3].p if len(last) == 1 else common_point(*last)
+    region = None if c is None else _region(screws[:3], c)
+    if c is None or region is None:
+        return None
+    placed = [*region.screws, *(s._replace(p=c) for s in last)]
+    return Recipe("pose", region.names, lambda G: short_wrist(placed, region.solve, G))
+
+
+def _middle_meeting(screws: Sequence[Screw]) -> Recipe | None:
+    """Five joints, of which 3 meets 4."""
+    if _kinds(screws) != "RRRRR" or (c := common_point(screws[2], screws[3])) is None:
+        return None
+    alike = parallel(screws[0], screws[1])
+    names = _named(("q5-", "q5+"), ("q2+", "q2-")) if alike else NAMES
+    placed = [*screws[:2], *(s._replace(p=c) for s in screws[2:4]), screws[4]]
+    return Recipe("pose", names, lambda G: middle_meeting(placed, parallel_23 if alike else general, G))
+
+
+def _middle_parallel(screws: Sequence[Screw]) -> Recipe | None:
+    if _kinds(screws) != "RRRRR" or not parallel(screws[1], screws[2]) or not parallel(screws[1], screws[3]):
+        return None
+    if parallel(screws[0], screws[1]) or parallel(screws[3], screws[4]):
+        return None
+    return Recipe("pose", _elbow_names(screws, screws[4].p), lambda G: middle_parallel(screws, G))
+
+
+def _planar_shoulder(screws: Sequence[Screw]) -> Recipe | None:
+    """Three parallel turns, then one or two joints of other directions."""
+    if _kinds(screws) not in ("RRRR", "RRRRR") or not all(parallel(screws[0], s) for s in screws[1:3]):
+        return None
+    if parallel(screws[2], screws[3]):
+        return None
+    elbows = _elbows(screws)
+    if len(screws) == 4:
+        return Recipe("pose", elbows, lambda G: planar_shoulder(screws, G, meeting=False))
+    o = common_point(*screws[3:])
+    placed = screws if o is None else [*screws[:3], *(s._replace(p=o) for s in screws[3:])]
+    names = _named(("q4+", "q4-"), elbows)
+    return Recipe("pose", names, lambda G: planar_shoulder(placed, G, meeting=o is not None))
+
+
 def _planar(chain: ScrewChain) -> Recipe | None:
     """Two or three parallel turns, at most one joint sliding along them."""
     screws = chain.screws
@@ -266,7 +341,7 @@ def _planar(chain: ScrewChain) -> Recipe | None:
         return None
     if not all(parallel(turning[0], s) for s in screws):
         return None
-    elbow = ("righty", "lefty") if np.dot(turning[0].h, turning[1].h) > 0.0 else ("lefty", "righty")
+    elbow = _elbows(turning)
     if len(turning) == 3:
         return Recipe("pose", elbow, lambda G: planar_pose(screws, G))
     tool = [row[3] for row in chain.home[:3]]
@@ -282,10 +357,19 @@ def _three_joints(chain: ScrewChain) -> Recipe | None:
 
 
 FAMILIES: Mapping[str, Callable[[ScrewChain], Recipe | None]] = {
-    "spherical wrist": _spherical_wrist,
-    "three parallel axes": _three_parallel,
+    "spherical wrist": _forwards(_with_wrist),
+    "three parallel axes": _forwards(_ur),
     "planar": _planar,
     "three joints": _three_joints,
     "spherical shoulder": _backwards(_with_wrist),
     "three parallel axes, backwards": _backwards(_ur),
+    "three parallel axes, skew wrist": _forwards(_skew),
+    "three parallel axes, skew shoulder": _backwards(_skew),
+    "five joints, three parallel": _forwards(_middle_parallel),
+    "four or five joints": _forwards(_short_wrist),
+    "four or five joints, backwards": _backwards(_short_wrist),
+    "planar shoulder": _forwards(_planar_shoulder),
+    "planar wrist": _backwards(_planar_shoulder),
+    "five joints, 3 meets 4": _forwards(_middle_meeting),
+    "five joints, 2 meets 3": _backwards(_middle_meeting),
 }

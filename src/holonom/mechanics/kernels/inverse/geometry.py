@@ -14,31 +14,34 @@ from holonom.mechanics.equations import kinematics
 from holonom.mechanics.equations.inverse.subproblems import Branch, Truth, Turn
 from holonom.mechanics.equations.vectors import Matrix, Pose, Vector, compose, dot, matmul, matvec, sub, transpose
 from holonom.mechanics.kernels.inverse.closed_form import ClosedForm
-from holonom.model import ArmModel, JointLimits
+from holonom.model import LIMIT_TOLERANCE, ArmModel, JointLimits, outside
 from holonom.spatial.poses import RIGID
 from holonom.trace import Kernel, Number, absolute, atan2, compile, less, select
 
 __all__ = [
     "LIMIT",
-    "LIMIT_TOLERANCE",
     "OK",
     "REACHED",
     "SINGULAR",
+    "SINGULAR_LIMIT",
     "UNREACHABLE",
     "inverse_geometry",
     "inverse_kernel",
     "pose_error",
     "refined",
+    "repeated",
 ]
 
 
-OK, UNREACHABLE, LIMIT, SINGULAR = 0, 1, 2, 3
+OK, UNREACHABLE, LIMIT, SINGULAR, SINGULAR_LIMIT = 0, 1, 2, 3, 4
 REACHED = 1e-8
 """Root of the sum of squares of T(q) - T (m, and the rotation's entries) up to which a branch has reached the pose."""
+REFINEMENTS, LARGEST = 12, 0.2
+"""Newton steps of a branch that is to be refined, at most, and the largest change of a joint in one (rad or m)."""
+KICK, SAME = 0.05, 1e-6
+"""By what such a branch is moved where it meets another one (rad), and the difference up to which two are the same."""
 DEPARTED = 1e3
 """How much further a branch that is still to be refined may miss, per departure of the axes from the closed form's."""
-LIMIT_TOLERANCE = 1e-9
-"""Angle (rad) or way (m) by which rounding may pass a joint limit."""
 
 
 def inverse_geometry(model: ArmModel, form: ClosedForm, target: Vector) -> tuple[list[Number], list[Number]]:
@@ -153,12 +156,13 @@ def _below(q: Number, bound: float) -> Truth:
 
 
 def _status(model: ArmModel, q: Vector, missed: Truth, free: Truth) -> Number:
-    outside: Truth = False
+    beyond: Truth = False
     for joint, v in zip(model.joints, q, strict=True):
         for bound, sign in ((joint.limits.lower, 1.0), (joint.limits.upper, -1.0)):
             if math.isfinite(bound):
-                outside = outside | less(sign * v, sign * bound - LIMIT_TOLERANCE)
-    return select(missed, UNREACHABLE, select(outside, LIMIT, select(free, SINGULAR, OK)))
+                beyond = beyond | less(sign * v, sign * bound - LIMIT_TOLERANCE)
+    inside, out = select(free, SINGULAR, OK), select(free, SINGULAR_LIMIT, LIMIT)
+    return select(missed, UNREACHABLE, select(beyond, out, inside))
 
 
 def refined(
@@ -170,21 +174,60 @@ def refined(
     q: Array,
     status: NDArray[np.int8],
 ) -> tuple[Array, NDArray[np.int8]]:
-    """Branches of an arm that is only nearly what its closed form takes it for, after three Newton steps.
+    """Branches of an arm that is only nearly what its closed form takes it for, after a few Newton steps.
 
     target (..., 4, 4) or (..., 3); q (..., k, n); status (..., k).
     """
     rows = 3 if task == "position" else 6
-    goal = np.broadcast_to(target[..., None, :, :], (*q.shape[:-1], 4, 4)) if rows == 6 else target[..., None, :]
-    better = q
-    for _ in range(3):
-        inverse = np.linalg.pinv(jacobian(better)[..., :rows, :], rcond=1e-7)
-        better = better + np.einsum("...ij,...j->...i", inverse, pose_error(fk(better), goal, rows))
-    missed = np.linalg.norm(pose_error(fk(better), goal, rows), axis=-1) > REACHED
-    missed |= status == UNREACHABLE
-    outside = ((better < limits[0] - LIMIT_TOLERANCE) | (better > limits[1] + LIMIT_TOLERANCE)).any(-1)
-    rest = np.where(outside, LIMIT, np.where(status == SINGULAR, SINGULAR, OK))
-    return np.where(missed[..., None], q, better), np.where(missed, UNREACHABLE, rest).astype(np.int8)
+    lead, (k, n) = q.shape[:-2], q.shape[-2:]
+    goal = np.asarray(target).reshape(-1, *target.shape[len(lead) :])
+    first, code = q.reshape(-1, k, n), status.reshape(-1, k)
+    better, reached = np.empty_like(first), np.empty(code.shape, dtype=bool)
+
+    def improve(start: Array, row: NDArray[np.intp]) -> tuple[Array, NDArray[np.bool_]]:
+        """Joints (m, n) after Newton's method for the targets of some rows, and whether they reach them."""
+        at = start
+        for _ in range(REFINEMENTS):
+            inverse = np.linalg.pinv(jacobian(at)[:, :rows], rcond=1e-7)
+            step = (inverse @ pose_error(fk(at), goal[row], rows)[..., None])[..., 0]
+            at = at + np.clip(step, -LARGEST, LARGEST)
+            if np.abs(step).max(initial=0.0) < 1e-13:
+                break
+        return at, np.linalg.norm(pose_error(fk(at), goal[row], rows), axis=-1) < REACHED
+
+    every = np.repeat(np.arange(len(first)), k)
+    found, fine = improve(first.reshape(-1, n), every)
+    better[:], reached[:] = found.reshape(-1, k, n), fine.reshape(-1, k) & (code != UNREACHABLE)
+    for side in (KICK, -KICK):  # where branches nearly meet, the nominal arm's may be one, or none
+        row, branch = np.nonzero(~reached | repeated(better, reached))
+        if not len(row):
+            break
+        start = first[row, branch]
+        loose = np.linalg.svd(jacobian(start)[:, :rows])[2][:, -1] if n else start
+        found, fine = improve(start + side * loose, row)
+        for r, b in zip(row[fine], branch[fine], strict=True):
+            own = found[(row == r) & (branch == b)][0]
+            apart = np.abs(_less_turns(better[r] - own)).max(-1)
+            if not (reached[r] & (apart < SAME)).any():
+                better[r, b], reached[r, b] = own, True
+    better = np.where(reached[..., None], better, first)
+    beyond = outside(better, *limits).any(-1)
+    free = (code == SINGULAR) | (code == SINGULAR_LIMIT)
+    rest = np.where(beyond, np.where(free, SINGULAR_LIMIT, LIMIT), np.where(free, SINGULAR, OK))
+    return better.reshape(q.shape), np.where(reached, rest, UNREACHABLE).astype(np.int8).reshape(status.shape)
+
+
+def repeated(q: Array, reached: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Whether a branch (..., k) of joints (..., k, n) is an earlier reached one again."""
+    apart = _less_turns(q[..., :, None, :] - q[..., None, :, :])
+    same = np.abs(apart).max(-1) < SAME
+    return np.asarray(
+        (same & reached[..., None, :] & reached[..., :, None] & np.tri(q.shape[-2], k=-1, dtype=bool)).any(-1)
+    )
+
+
+def _less_turns(apart: Array) -> Array:
+    return np.asarray(apart - 2.0 * np.pi * np.round(apart / (2.0 * np.pi)))
 
 
 def pose_error(T: Array, goal: Array, rows: int) -> Array:

@@ -21,6 +21,8 @@ class IkStatus(IntEnum):
     UNREACHABLE = inverse_geometry.UNREACHABLE
     LIMIT = inverse_geometry.LIMIT
     SINGULAR = inverse_geometry.SINGULAR
+    SINGULAR_LIMIT = inverse_geometry.SINGULAR_LIMIT
+    FAR = 5
 
 
 class IkCase(IntEnum):
@@ -38,7 +40,8 @@ class IkResult(NamedTuple):
     q : (..., k, n) rad or m; status : (..., k) int8, an `IkStatus`; names : the k branch names, explained in
     `mechanics.closed_form`.
     A SINGULAR branch reaches the target with a joint that is free (wrist straight; wrist on the axis of joint 1): it
-    is chosen 0 (UR: joint 6, so that joint 4 is nearest to the shoulder). A LIMIT branch reaches it outside the joint
+    is chosen 0 (UR: joint 6, so that joint 4 is nearest to the shoulder); SINGULAR_LIMIT is such a branch whose chosen
+    joints leave their limits, where others of its solutions may keep them. A LIMIT branch reaches it outside the joint
     limits. An UNREACHABLE one does not reach it: forward kinematics misses it by more than 1e-8 (m, and the rotation's
     entries).
     """
@@ -52,29 +55,33 @@ class IkResult(NamedTuple):
         """Number of different joint vectors (...) that reach the target; -1 for infinitely many."""
         reached = self.status != IkStatus.UNREACHABLE
         count = (reached & ~self._repeated()).sum(-1)
-        return np.where((self.status == IkStatus.SINGULAR).any(-1), -1, count)
+        return np.where(self._free.any(-1), -1, count)
 
     @property
     def case(self) -> NDArray[np.int8]:
         """The `IkCase` (...): out of reach; regular; branches meet (arm stretched); a joint is free (on its axis)."""
         reached = self.status != IkStatus.UNREACHABLE
         met = np.where((reached & self._repeated()).any(-1), IkCase.BOUNDARY, IkCase.REGULAR)
-        free = (self.status == IkStatus.SINGULAR).any(-1)
-        return np.where(reached.any(-1), np.where(free, IkCase.ON_AXIS, met), IkCase.OUT_OF_REACH).astype(np.int8)
+        return np.where(reached.any(-1), np.where(self._free.any(-1), IkCase.ON_AXIS, met), IkCase.OUT_OF_REACH).astype(
+            np.int8
+        )
+
+    @property
+    def _free(self) -> NDArray[np.bool_]:
+        """Whether a joint is free in a branch (..., k)."""
+        return np.asarray((self.status == IkStatus.SINGULAR) | (self.status == IkStatus.SINGULAR_LIMIT))
 
     def _repeated(self) -> NDArray[np.bool_]:
         """Whether a branch (..., k) is an earlier one again."""
-        apart = self.q[..., :, None, :] - self.q[..., None, :, :]
-        same = np.abs(apart - 2.0 * np.pi * np.round(apart / (2.0 * np.pi))).max(-1) < 1e-6
-        both = (self.status != IkStatus.UNREACHABLE)[..., None, :]
-        earlier = np.tri(self.status.shape[-1], k=-1, dtype=bool)
-        return np.asarray((same & both & earlier).any(-1))
+        return inverse_geometry.repeated(self.q, self.status != IkStatus.UNREACHABLE)
 
 
 class IkNearest(NamedTuple):
-    """The branch nearest to a joint vector: q (..., n), status (...), branch (...): its number in `names`.
+    """The solution nearest to a joint vector: q (..., n), status (...), branch (...): its number in `names`.
 
-    Where the arm has no closed form there are no names, and `branch` is -1.
+    OK, or SINGULAR: of all solutions of all branches the nearest, infinitely many in a singular one. Where the arm has
+    no closed form there are no names, and `branch` is -1; OK is then what is reached from the reference without a jump,
+    and FAR another solution, beside which a nearer one may exist.
     """
 
     q: Array

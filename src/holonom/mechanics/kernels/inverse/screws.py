@@ -40,22 +40,25 @@ class ScrewChain:
     departure: float
 
 
-def screw_chain(model: ArmModel) -> ScrewChain | None:
-    """The axes of an arm; None for a tree, or where joints follow others."""
+def screw_chain(model: ArmModel, alike: float = ALIKE) -> ScrewChain | None:
+    """The axes of an arm; None for a tree (see `model.tool_chain`), or where joints follow others.
+
+    Axes that are nearly parallel, or nearly meet, to a sine or length of `alike`, are taken to be so.
+    """
     n = len(model.joints)
     if any(j.mimic is not None or model.parent(i) != i - 1 for i, j in enumerate(model.joints)):
         return None
     if model.tool_joint != n - 1:
         return None
     axes, home = _at_zero(model)
-    own = _own_frame(axes)
+    own = _own_frame(axes, alike)
     axes, home = _seen_from(own, axes), np.linalg.inv(own) @ home
     kinds = [j.turns for j in model.joints]
-    reference, axes, home = _straightened(axes, kinds, home)
-    directions = _directions(axes[:, 0])
+    reference, axes, home = _straightened(axes, kinds, home, alike)
+    directions = _directions(axes[:, 0], alike)
     screws = tuple(
         Screw(kind, _triple(h), _triple(p), Turn(math.cos(r), -math.sin(r)))
-        for kind, h, p, r in zip(kinds, directions, _points(directions, axes[:, 1]), reference, strict=True)
+        for kind, h, p, r in zip(kinds, directions, _points(directions, axes[:, 1], alike), reference, strict=True)
     )
     chain = ScrewChain(screws, tuple(reference), _rigid(np.array(model.base) @ own), _rigid(home), 0.0)
     departure = _departure(model, chain)
@@ -95,7 +98,7 @@ def _at_zero(model: ArmModel) -> tuple[Array, Array]:
     return np.array(axes), T @ np.array(model.tool)
 
 
-def _own_frame(axes: Array) -> Array:
+def _own_frame(axes: Array, alike: float) -> Array:
     """Frame with z along axis 1; its origin nearest to the next axis that is not parallel to it."""
     T = np.eye(4)
     h, p = axes[0]
@@ -105,7 +108,7 @@ def _own_frame(axes: Array) -> Array:
     T[:3, 0], T[:3, 1], T[:3, 2], T[:3, 3] = x, np.cross(h, x), h, p
     for k, q in axes[1:]:
         n = np.cross(h, k)
-        if np.linalg.norm(n) > ALIKE:
+        if np.linalg.norm(n) > alike:
             T[:3, 3] = p + h * (np.cross(q - p, k) @ n) / (n @ n)
             break
     return T
@@ -116,17 +119,17 @@ def _seen_from(frame: Array, axes: Array) -> Array:
     return np.stack([axes[:, 0] @ R, (axes[:, 1] - p) @ R], axis=1)
 
 
-def _straightened(axes: Array, kinds: list[bool], home: Array) -> tuple[list[float], Array, Array]:
+def _straightened(axes: Array, kinds: list[bool], home: Array, alike: float) -> tuple[list[float], Array, Array]:
     """Turn each joint until what follows it points along a coordinate axis; the turns are the reference pose."""
     reference = [0.0] * len(axes)
     axes, home = axes.copy(), home.copy()
     for i, revolute in enumerate(kinds):
         h, p = axes[i]
-        if not revolute or np.abs(h).max() < 1.0 - ALIKE:
+        if not revolute or np.abs(h).max() < 1.0 - alike:
             continue
         ahead = [v for k, q in axes[i + 1 : i + 2] for v in (k, q - p)] + [home[:3, 0], home[:3, 1]]
         across = [v - h * (h @ v) for v in ahead]
-        u = next(v for v in across if np.linalg.norm(v) > ALIKE)
+        u = next(v for v in across if np.linalg.norm(v) > alike)
         e = np.eye(3)[np.argmin(np.abs(h))]
         angle = math.atan2(np.cross(h, e) @ u, e @ u)
         turn = round(angle / (math.pi / 2)) * math.pi / 2 - angle
@@ -146,27 +149,39 @@ def _rotation(h: Array, angle: float) -> Array:
     return np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * K @ K
 
 
-def _directions(axes: Array) -> list[Array]:
+def _directions(axes: Array, alike: float) -> list[Array]:
     """Directions without entries that are rounding, the same numbers for parallel axes."""
     clean: list[Array] = []
     for h in axes:
-        twin = next((k for k in clean if np.linalg.norm(np.cross(h, k)) < ALIKE), None)
+        twin = next((k for k in clean if np.linalg.norm(np.cross(h, k)) < alike), None)
         if twin is None:
-            h = np.where(np.abs(h) < ALIKE, 0.0, h)
+            h = np.where(np.abs(h) < alike, 0.0, h)
             clean.append(h / np.linalg.norm(h))
         else:
             clean.append(math.copysign(1.0, h @ twin) * twin)
     return clean
 
 
-def _points(directions: list[Array], axes: Array) -> list[Array]:
-    """A point per axis, each the one nearest to the point before it."""
-    points, last = [], np.zeros(3)
-    for h, p in zip(directions, axes, strict=True):
+def _points(directions: list[Array], axes: Array, alike: float) -> list[Array]:
+    """A point per axis, nearest to the one before; axes that nearly meet the one before are moved to meet it."""
+    points: list[Array] = []
+    last, met = np.zeros(3), np.full(3, np.inf)
+    for i, (h, p) in enumerate(zip(directions, axes, strict=True)):
         last = p + h * (h @ (last - p))
+        if i and alike > ALIKE:
+            at = _nearest_point(directions[i - 1], points[-1], h, last)
+            if at is not None and np.linalg.norm((at - last) - h * (h @ (at - last))) < alike:
+                last = met = met if np.linalg.norm(at - met) < 2.0 * alike else at
         last = np.where(np.abs(last) < 1e-12, 0.0, last)
         points.append(last)
     return points
+
+
+def _nearest_point(h: Array, p: Array, k: Array, q: Array) -> Array | None:
+    """The point of the line p + s h that is nearest to the line q + t k, if they are not parallel."""
+    n = np.cross(h, k)
+    square = float(n @ n)
+    return None if square < ALIKE**2 else np.asarray(p + h * (np.cross(q - p, k) @ n) / square)
 
 
 def _rigid(T: Array) -> Transform:
