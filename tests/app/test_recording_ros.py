@@ -189,3 +189,25 @@ def test_an_arm_on_a_base_hangs_on_its_frames(tmp_path: Path) -> None:
     }
     believed = truth[f"{base}/base_link"] @ matrix(fixed[f"{arm}/base"].transform) @ links[f"{arm}/tool"]
     assert np.allclose(believed, truth[f"{arm}/tool"], atol=2e-3)
+
+
+def test_joints_that_follow_others_are_recorded_and_described(root: Path, tmp_path: Path) -> None:
+    """A finger that turns with the first joint, -2 times as far and 0.1 rad on: its link has its own place."""
+    (tmp_path / "three.urdf").write_bytes((root / "fuzz" / "seeds" / "urdf" / "three.urdf").read_bytes())
+    (tmp_path / "cell.toml").write_text(
+        '[cell]\nname = "x"\ntime_limit = "5s"\n[[robot]]\nmodel = "three.urdf"\ndrives = "ideal"\n'
+        'home = ["20deg", "100mm"]\nhold = "50ms"\n',
+        "utf-8",
+    )
+    assert main(["run", str(tmp_path / "cell.toml"), "-o", str(tmp_path / "out"), "--quiet"]) == 0
+    path = tmp_path / "out" / "recording.mcap"
+    found = messages(path, "/robot_description", "/joint_states", "/truth/tf", "/tf_static")
+    state, truth = found["/joint_states"][0][1], found["/truth/tf"][0][1]
+    links = placed(found["/robot_description"][0][1].data, dict(zip(state.name, state.position, strict=True)))
+    at = {t.child_frame_id: matrix(t.transform) for t in truth.transforms}
+    assert set(at) == {"link1", "link2", "link3", "tool"}
+    stands = {t.child_frame_id: matrix(t.transform) for t in found["/tf_static"][0][1].transforms}["base"]
+    for name, T in at.items():
+        assert np.allclose(T, stands @ links[name], atol=1e-9)
+    turned = at["link2"][:3, :3].T @ at["link3"][:3, :3]
+    assert abs(np.arccos((np.trace(turned) - 1) / 2) - abs(-2 * np.radians(20.0) + 0.1)) < 1e-9

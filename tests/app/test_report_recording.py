@@ -363,3 +363,19 @@ def test_joints_that_slide_have_lengths(tmp_path: Path) -> None:
     _, arrays = embedded(report_html(source))
     assert np.allclose(arrays["curve:position_slide"][:, 0], [0.0, 50.0, 100.0])
     assert arrays["curve:position"].shape == (3, scara.n - facts.kinds.count("prismatic"))
+
+
+def test_a_recording_of_a_century_is_no_page_of_gigabytes(tmp_path: Path) -> None:
+    """One stamp far off, as a damaged message without a checksum has it."""
+    path = tmp_path / "recording.mcap"
+    with Recorder(path) as recorder:
+        for time in (0.0, 0.1, 3.0e9):
+            recorder.put(FramePoses(time, ("base_link",), np.eye(4)[None] * [[1.0], [1.0], [1.0], [1.0]]))
+            recorder.put(FramePoses(time, ("arm",), pose_at(time)[None]))
+    assert len(report_html(source_of(path))) < 3_000_000
+
+
+def pose_at(time: float) -> np.ndarray:
+    T = np.eye(4)
+    T[0, 3] = time % 7.0
+    return T
