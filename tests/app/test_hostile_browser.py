@@ -177,4 +177,5 @@ def test_a_robot_files_name_is_no_script_on_a_page_to_turn(page, tmp_path: Path)
     assert ask(
         page, "[...document.querySelectorAll('a')].every(a => !(a.getAttribute('xlink:href') || '').includes('PWN'))"
     )
+    assert ask(page, "document.querySelectorAll('.gtitle a, .gtitle img').length") == 0
     assert "IMG SRC" in page.find_element("css selector", ".gtitle").get_attribute("textContent")

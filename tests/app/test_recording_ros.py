@@ -97,7 +97,10 @@ def test_the_robot_is_described_in_the_frames_of_tf(coins: Path) -> None:
 
 @pytest.mark.parametrize("name", ["puma560", "stanford", "scara", "ur5e", "panda", "planar2r"])
 def test_every_preset_is_described(name: str) -> None:
-    arm = load_arm(name)
+    """With a tool that is turned any way."""
+    T = np.eye(4)
+    T[:3, :3], T[:3, 3] = Rotation.random(random_state=7).as_matrix(), [0.1, -0.2, 0.3]
+    arm = load_arm(name).with_tool(T)
     q = np.random.default_rng(5).uniform(-1.0, 1.0, (20, arm.n))
     base = np.array(arm.model.base)
     for row in q:
