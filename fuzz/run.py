@@ -83,7 +83,7 @@ def run_reader(name: str, reader: Reader, numbers: Sequence[int], seconds: float
             except InputError:
                 refused += 1
             except (Exception, Slow) as error:
-                _write_down(found, name, reader, number, data, error)
+                _write_down(found, name, reader, f"{seed}-{number}", data, error)
             read += 1
     pace = read / max(time.perf_counter() - begin, 1e-9)
     print(f"{name:12} {read:8} inputs, {refused:8} refused, {len(found):3} kinds of failure, {pace:6.0f}/s", flush=True)
@@ -100,9 +100,9 @@ def _read(reader: Reader, path: Path, data: bytes) -> None:
 
 
 def _write_down(
-    found: dict[str, Path], name: str, reader: Reader, number: int, data: bytes, error: BaseException
+    found: dict[str, Path], name: str, reader: Reader, number: str, data: bytes, error: BaseException
 ) -> None:
-    """Keep an input, the first of those that end at one place."""
+    """Keep an input, the first of those that end at one place; its number is that of the run's seed, and its own."""
     places = [frame for frame in traceback.extract_tb(error.__traceback__) if "holonom" in frame.filename]
     place = f"{type(error).__name__} at {Path(places[-1].filename).name}:{places[-1].lineno}" if places else repr(error)
     if place not in found:

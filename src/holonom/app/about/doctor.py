@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["empty_cache", "examine", "schema", "show_kernel"]
 
-NEEDED = ("numpy", "numba", "llvmlite", "scipy", "lark", "pydantic", "mcap", "rich")
+NEEDED = ("numpy", "numba", "llvmlite", "scipy", "lark", "pydantic", "mcap", "zstandard", "lz4", "rich")
 
 
 @dataclass(frozen=True, slots=True)
