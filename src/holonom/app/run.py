@@ -211,14 +211,14 @@ def _tell(runs: list[Done], folder: RunFolder) -> Answer:
     summary = summary_of(source)
     told = json.dumps(summary, indent=2, allow_nan=False) + "\n"
     unwritten = [*_unwritten(folder, REPORT, report_html(source)), *_unwritten(folder, SUMMARY, told)]
-    last, lines = runs[-1].ended, [*summary_lines(source, summary), *unwritten]
+    last, lines = runs[-1].ended, summary_lines(source, summary)
     if last.ending is Ending.FAILED and last.fault is not None:
-        what = "\n".join([str(last.fault), *(f"  {line}" for line in lines[1:])])
+        what = "\n".join([str(last.fault), *(f"  {line}" for line in [*unwritten, *lines[1:]])])
         raise type(last.fault)(f"{what}\n  what was recorded until then is in {folder.path}") from last.fault
     if last.ending is Ending.STOPPED:
         raise Interrupted
     if unwritten:
-        raise OutputFault("\n".join(lines))
+        raise OutputFault("\n  ".join([*unwritten, *lines]))
     pace = round(runs[0].pace, 1)  # of the wall clock: not in the summary, which equal runs have in common
     lines = [f"{lines[0]}, {pace:g} x real time", *lines[1:], f"report: {folder.path / REPORT}"]
     return Answer("\n".join(lines), summary | {"real_time_factor": pace})
