@@ -60,8 +60,8 @@ def real_array(name: str, value: Any) -> Array:
         given = np.asarray(value)
         if given.dtype.kind != "c":
             return np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError) as problem:
-        raise ShapeError(f"{name} holds something that is not a number: {problem}") from None
+    except (TypeError, ValueError):
+        raise ShapeError(f"{name} holds something that is not a number, or rows that differ in length") from None
     raise ShapeError(f"{name} holds complex numbers; give real ones (its .real, if the rest is rounding)")
 
 

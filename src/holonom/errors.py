@@ -23,6 +23,8 @@ HolonomError
     ├── DriveFault            a following error, an encoder or a drive fault
     ├── LevelFault            a level of a controller that is late, silent or sends what cannot be followed
     └── OutputFault           a disk that is full, or gone, while a run writes
+
+Beside them `ModelWarning`: a robot description that can be read, with something that it leaves to be guessed.
 """
 
 from __future__ import annotations
@@ -42,6 +44,7 @@ __all__ = [
     "MissingExtra",
     "MissingInertia",
     "ModelError",
+    "ModelWarning",
     "MotionError",
     "NotAPose",
     "OutOfLimits",
@@ -79,6 +82,10 @@ class ProgramError(InputError):
 
 class ModelError(InputError):
     """A robot description that is not one."""
+
+
+class ModelWarning(UserWarning):
+    """A robot description that was read, and what of it was passed over or guessed; with file and line."""
 
 
 class MissingInertia(ModelError):

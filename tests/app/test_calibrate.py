@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from holonom.app.console.cli import main
-from holonom.app.recording import Recorder
+from holonom.app.recording import Recorder, read_recording
 from holonom.mechanics import Arm, load_arm
 from holonom.mechanics.identification import excitation
 from holonom.mechanics.identification.columns import parameters, regressor_of_rows
@@ -43,6 +43,22 @@ def test_a_recording_gives_the_arm(recording: Path, tmp_path: Path, capsys: pyte
     assert found["hx2"]["formula"] == "hx2 + m2"
     assert abs(found["hx2"]["value"] - 25.0) < 4 * found["hx2"]["deviation"] < 1.0  # 50 kg, half of 1 m before the end
     assert [body["joint"] for body in data["bodies"]] == ["joint1", "joint2"]
+    assert data["doubts"] == []
+    assert "warning" not in text
+
+
+def test_a_joint_of_wrong_sign_is_warned_of(
+    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    track = read_recording(recording).joints
+    with Recorder(tmp_path / "turned.mcap", ["joint1", "joint2"]) as recorder:
+        for t, q, qd, tau in zip(track.time, track.position, track.velocity, track.effort, strict=True):
+            recorder.put(JointState(t, q * [1.0, -1.0], qd * [1.0, -1.0], tau))
+    command = ["calibrate", "dynamics", str(tmp_path / "turned.mcap"), "--arm", "planar2r", "--no-friction"]
+    assert main(command) == 0
+    assert "\nwarning: no arm of this kind explains the record" in capsys.readouterr().out
+    assert main([*command, "--json"]) == 0
+    assert len(json.loads(capsys.readouterr().out)["doubts"]) >= 1
 
 
 def test_what_cannot_be_calibrated_is_refused(recording: Path, capsys: pytest.CaptureFixture[str]) -> None:

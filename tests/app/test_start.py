@@ -19,7 +19,7 @@ from holonom.app.start.demo import DEFAULT, example, examples
 from holonom.app.start.text import head
 from holonom.errors import InputError, UnknownName
 from holonom.mobile import ARRANGEMENTS
-from holonom.model import PRESETS, Joint, JointLimits, load_model
+from holonom.model import PRESETS, JointLimits, load_model
 
 FIRST = [("arm", name) for name in PRESETS] + [("base", name) for name in runnable()] + [("agv", "scara")]
 
@@ -167,7 +167,7 @@ def test_a_xacro_file_that_finds_packages_is_refused(tmp_path: Path, capsys: pyt
 def test_joints_turn_within_their_limits() -> None:
     from holonom.app.start.arm import _turn
 
-    free, narrow = Joint("a", "revolute"), Joint("b", "revolute", limits=JointLimits(-0.1, 0.2))
+    free, narrow = JointLimits(), JointLimits(-0.1, 0.2)
     assert _turn(free, 3.0) == TURN
     assert _turn(narrow, 0.0) == pytest.approx(0.1)
     assert _turn(narrow, 0.15) == pytest.approx(-0.125)

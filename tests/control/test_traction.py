@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -146,3 +147,13 @@ def test_bad_input() -> None:
         tune_wheel(AXIS, SPINNING, phase_margin=2.0)
     with pytest.raises(OutOfLimits, match="dt"):
         tune_wheel(AXIS, SPINNING, dt=0.0)
+    with pytest.raises(OutOfLimits, match="no speed loop of this wheel keeps its phase margin at any crossover"):
+        tune_wheel(AXIS, AXIS.inertia, phase_margin=1.19)
+
+
+def test_a_slow_armature_is_tuned_slowly() -> None:
+    """Its lag of 0.8 s leaves a crossover below 1 rad/s."""
+    loop = tune_wheel(replace(AXIS, inductance=1.0), SPINNING)
+    assert loop.limited_by == "phase margin"
+    assert loop.spinning.crossover < 1.0
+    assert loop.spinning.phase_margin == pytest.approx(0.8, abs=0.2)

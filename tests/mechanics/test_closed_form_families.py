@@ -8,11 +8,13 @@ import dataclasses
 import numpy as np
 import pytest
 from closed_form_arms import apart, fk, form_of, miss, solve
+from peers import eaik_robot
 from scipy.spatial.transform import Rotation
 
 from holonom.errors import ShapeError
 from holonom.mechanics import Arm, IkStatus
 from holonom.mechanics.kernels.inverse.closed_form import closed_form
+from holonom.mechanics.paths import follow
 from holonom.model import ArmModel, Joint, JointLimits, Mimic, constant_transform, preset, tool_chain
 
 RNG = np.random.default_rng
@@ -125,6 +127,13 @@ def test_a_gripper_leaves_the_arm_its_closed_form(with_gripper):
         with_gripper.ik(T, q[:3])
 
 
+def test_a_path_leaves_the_gripper_as_it_is(with_gripper):
+    q = np.array([0.2, -1.0, 1.2, 0.3, 0.8, 0.1, 0.03]) + np.linspace(0.0, 0.4, 40)[:, None] * [1, 1, -1, 1, 1, -1, 0]
+    found = follow(with_gripper, with_gripper.fk(q), q[0])
+    assert found.feasible, found.reason
+    np.testing.assert_allclose(found.q, q, atol=1e-6)
+
+
 def test_a_tree_that_stands_elsewhere_keeps_its_closed_form(with_gripper):
     base = np.eye(4)
     base[:3, 3] = 1.0, 2.0, 0.5
@@ -185,3 +194,29 @@ def test_a_calibrated_arm_has_all_branches_of_the_nominal_one(name):
 def test_an_arm_is_calibrated_and_no_other_arm():
     assert form_of(calibrated("ur5e", 1, rotation=1e-5, shift=1e-6).model).chain.departure < 1e-3
     assert closed_form(calibrated("ur5e", 1, rotation=0.1, shift=0.05).model) is None
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize(
+    "name",
+    ["five, 4 meets 5", "five, 2 || 3 || 4", "five, 1 || 2 || 3", "five, 1, 2, 3 meet"],
+)
+def test_the_same_solutions_as_eaik(name):
+    """EAIK (Ostermeier, Külz & Althoff 2024) solves these families too: what it finds is among our branches.
+
+    Of random arms with a skew wrist it finds no solution, so it says nothing about them.
+    """
+    eaik = pytest.importorskip("eaik.IK_HP", reason="EAIK is not installed (extra 'oracle')")
+    model = random_axes(AXES[name], 1)
+    peer, R_home = eaik_robot(eaik, model)
+    rng, compared = RNG(15), 0
+    for _ in range(15):
+        T = fk(model, rng.uniform(-3.0, 3.0, len(model.joints)))
+        asked = T.copy()
+        asked[:3, :3] = T[:3, :3] @ R_home.T
+        theirs = [q for q in peer.IK(asked).Q if miss(model, q, T) < 1e-6]
+        q, status = solve(model, T)
+        ours = q[status != IkStatus.UNREACHABLE]
+        assert all(apart(model, ours, row).min() < 1e-5 for row in theirs)
+        compared += len(theirs)
+    assert compared >= 10

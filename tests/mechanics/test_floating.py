@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from arms import random_body, random_pose, random_tree
 
-from holonom.errors import ModelError
+from holonom.errors import ModelError, ModelWarning
 from holonom.mechanics import Arm, load_arm
 from holonom.mechanics.dynamics import floating, with_rotors
 from holonom.mechanics.equations.dynamics.composite_body import floating_mass_matrix, mass_matrix
@@ -98,7 +98,11 @@ def test_a_floating_and_a_planar_joint_are_read():
     again = FREE.replace("</robot>", '<joint name="f2" type="floating"><parent link="plate"/><child link="x"/></joint>'
                          '<link name="x"/></robot>')  # fmt: skip
     with pytest.raises(ModelError, match="only the base of a robot may float"):
-        read_urdf(again)
+        read_urdf(again, check="strict")
+    with pytest.warns(ModelWarning, match="'f2' floats, and not all that moves hangs on it: it is fixed"):
+        held = read_urdf(again)
+    assert held.floating
+    assert next(frame for frame in held.frames if frame.name == "x").joint == 3
 
 
 def test_momentum_is_kept_in_free_flight():

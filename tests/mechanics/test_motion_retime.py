@@ -146,9 +146,50 @@ def test_a_corner_is_refused_with_its_place() -> None:
 
 
 def test_a_path_that_stands_still_is_refused() -> None:
-    there_and_back = PPoly(np.array([[[-1.0]], [[2.0]], [[0.0]]]), [0.0, 2.0])  # 2 s - s^2
-    with pytest.raises(MotionError, match=r"at 50\.0 % .* stands still"):
-        retime(there_and_back, limits_of(1))
+    steep = PPoly(np.array([[[1.0]], [[0.0]], [[0.0]], [[-1.0]]]), [-1.0, 1.0])  # (s + 1)^3 - 1: an inflection at rest
+    with pytest.raises(MotionError, match=r"at 0\.0 % .* stands still .* a parameter that runs on"):
+        retime(steep, limits_of(1))
+
+
+@pytest.mark.parametrize("way", [0.4, 3.0])
+def test_a_path_that_turns_back_takes_the_time_of_two_trapezoids(way: float) -> None:
+    """The joint rests where the path turns, dq/ds = 0; the path itself runs on there."""
+    speed, acceleration = 0.5, 0.2
+    ramp = speed**2 / acceleration
+    once = 2.0 * np.sqrt(way / acceleration) if way < ramp else way / speed + speed / acceleration
+    for n in (1, 3):
+        done = retime(joint_spline(np.outer([0.0, way, 0.0], np.ones(n))), limits_of(n, speed=speed, acceleration=0.2))
+        assert done.duration == pytest.approx(2.0 * once, abs=4e-3)
+        middle = len(done.q) // 2
+        np.testing.assert_allclose(done.q[middle], way, atol=1e-5)
+        np.testing.assert_allclose(done.qd[middle], 0.0, atol=1e-3)
+        assert np.abs(done.qdd).max() <= acceleration * (1.0 + 1e-6)
+
+
+def test_a_parabola_turns_back_between_breakpoints() -> None:
+    there_and_back = PPoly(np.array([[[-1.0]], [[2.0]], [[0.0]]]), [0.0, 2.0])  # 2 s - s^2: to 1 and back
+    duration = retime(there_and_back, limits_of(1, speed=0.5, acceleration=0.2)).duration
+    assert duration == pytest.approx(2.0 * 2.0 * np.sqrt(1.0 / 0.2), abs=6e-3)
+
+
+def test_an_arm_turns_back_within_its_torques(puma: Arm) -> None:
+    """All joints rest at once in the middle; there and back take the time of there and of back."""
+    ends = np.array([[0.1, 1.5, -2.8, 0.2, 0.5, 0.1], [0.4, 1.2, -2.5, 0.0, 0.9, 0.3]])
+    strength = 0.6 * puma.limits.torque
+    both = retime(joint_spline(ends[[0, 1, 0]]), puma.limits, arm=puma, torque=strength)
+    tau = puma.inverse_dynamics(both.q, both.qd, both.qdd)
+    assert (np.abs(tau) / strength).max() <= 1.0 + 1e-5
+    parts = [
+        retime(joint_spline(ends[pair]), puma.limits, arm=puma, torque=strength).duration for pair in ([0, 1], [1, 0])
+    ]
+    assert both.duration == pytest.approx(sum(parts), abs=0.01)
+
+
+def test_a_motion_of_more_samples_than_can_be_held_is_refused() -> None:
+    with pytest.raises(
+        MotionError, match=r"lasts 1.001e\+06 s, more than 20000000 samples of 0.001 s; give a longer dt="
+    ):
+        retime(straight([0.0], [1.0]), limits_of(1, speed=1e-6, acceleration=1.0))
 
 
 def test_a_path_outside_the_limits_names_joint_and_place() -> None:
@@ -170,22 +211,49 @@ def test_spline_points() -> None:
         joint_spline([[0.0], [1.0], [1.0]])
     with pytest.raises(ShapeError, match=r"points have shape \(1, 1\)"):
         joint_spline([[0.0]])
+    for wrong in ([0.0, np.inf], [1.0, 0.0], [0.0, np.nan]):
+        with pytest.raises(ShapeError, match="give one finite, rising number per point"):
+            joint_spline([[0.0], [1.0]], s=wrong)
+    with pytest.raises(ShapeError, match="no slope can be that steep"):
+        joint_spline([[0.0], [1.0]], s=[0.0, 1e-320])
+    for uneven in ([[0.0], [1e100], [1e101]], [[0.0], [1e-100], [1.0]]):
+        with pytest.raises(ShapeError, match="too uneven for a spline of degree 5"):
+            joint_spline(uneven, degree=5)
     with pytest.raises(OutOfLimits, match="degree 4"):
         joint_spline([[0.0], [1.0]], degree=4)
+
+
+def peers_time(path, points, limits) -> float:
+    """TOPP-RA's, on the same spline."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # the peer's own
+        ta = pytest.importorskip("toppra", reason="peer toppra is not installed; pip install -e '.[oracle]'")
+        from toppra import algorithm, constraint
+    theirs = ta.SplineInterpolator(path.x, points, bc_type="natural")
+    bounds = [np.stack([-x, x], axis=-1) for x in (limits.speed, limits.acceleration)]
+    rules = [constraint.JointVelocityConstraint(bounds[0]), constraint.JointAccelerationConstraint(bounds[1])]
+    grid = np.linspace(path.x[0], path.x[-1], 2001)
+    peer = algorithm.TOPPRA(rules, theirs, gridpoints=grid, parametrizer="ParametrizeConstAccel")
+    return float(peer.compute_trajectory(0, 0).duration)
 
 
 @pytest.mark.oracle
 @pytest.mark.parametrize("seed", range(4))
 def test_times_agree_with_toppra(seed: int) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the peer's own
-        ta = pytest.importorskip("toppra", reason="peer toppra is not installed; pip install -e '.[oracle]'")
-        from toppra import algorithm, constraint
     points, limits = np.random.default_rng(seed).uniform(-1, 1, (6, 4)), limits_of(4, speed=1.5, acceleration=6.0)
     path = joint_spline(points)
-    theirs = ta.SplineInterpolator(path.x, points, bc_type="natural")
-    bounds = [np.stack([-x, x], axis=-1) for x in (limits.speed, limits.acceleration)]
-    rules = [constraint.JointVelocityConstraint(bounds[0]), constraint.JointAccelerationConstraint(bounds[1])]
-    grid = np.linspace(path.x[0], path.x[-1], 1001)
-    peer = algorithm.TOPPRA(rules, theirs, gridpoints=grid, parametrizer="ParametrizeConstAccel")
-    assert retime(path, limits).duration == pytest.approx(peer.compute_trajectory(0, 0).duration, abs=3e-3)
+    assert retime(path, limits).duration == pytest.approx(peers_time(path, points, limits), abs=3e-3)
+
+
+@pytest.mark.oracle
+@pytest.mark.parametrize(
+    "points",
+    [
+        [[0.0], [0.4], [0.0]],  # 5.659 s
+        [[0.0], [0.4], [0.0], [0.3], [-0.2], [0.1]],
+        [[0.0, 0.2], [0.4, -0.5], [0.0, 0.2]],
+    ],
+)
+def test_paths_that_turn_back_take_the_time_of_toppra(points: list[list[float]]) -> None:
+    limits, path = limits_of(len(points[0]), speed=0.5, acceleration=0.2), joint_spline(points)
+    assert retime(path, limits).duration == pytest.approx(peers_time(path, np.array(points), limits), abs=4e-3)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from float_arm import fk
 
-from holonom.errors import InputError, ModelError, UnknownName
+from holonom.errors import InputError, ModelError, ModelWarning, UnknownName
 from holonom.mechanics import Arm, load_arm
 from holonom.model import Frame, Friction, JointLimits, Mimic, Motor, read_urdf
 
@@ -94,7 +94,8 @@ def test_joints_stand_behind_those_that_carry_them_else_in_document_order():
             joint("j2", "b", "c"),
             joint("k", "a", "e"),
             *map(link, "abcde"),
-        )
+        ),
+        tip="d",
     )
     assert [(j.name, j.parent) for j in model.joints] == [("j1", -1), ("j2", 0), ("j3", 1), ("k", -1)]
     assert model.tip == 2
@@ -124,25 +125,37 @@ def test_continuous_prismatic_and_mimic_joints():
         ("gripper_tcp tool0", "gripper_tcp"),
         ("ee_link tool0", "tool0"),
         ("hand finger", "hand"),
-        ("catcp hand", "catcp"),
     ],
 )
-def test_the_tool_is_the_link_that_is_called_so_else_the_first_of_the_farthest(names, tip):
+def test_the_tool_is_the_link_that_is_called_so(names, tip):
     hands = names.split()
     fixed = [joint(f"f{name}", "b", name, f'<origin xyz="0 0 {k + 1}"/>', "fixed") for k, name in enumerate(hands)]
     model = read_urdf(robot(*ARM, *map(link, hands), *fixed))
     assert model.tool[2][3] == hands.index(tip) + 1
+    assert repr(Arm(model)) == f"Arm('r', n=1, tool={tip!r})"
+    assert repr(Arm(model).with_tool(np.eye(4))) == "Arm('r', n=1)"
+
+
+def test_a_tool_that_nothing_is_called_like_is_a_guess_that_is_told():
+    fixed = [joint(f"f{name}", "b", name, f'<origin xyz="0 0 {k}"/>', "fixed") for k, name in enumerate(("catcp", "x"))]
+    text = robot(*ARM, link("catcp"), link("x"), *fixed)
+    told = r"line 5: no link is called like a tool: 'catcp' is taken .* say which link it is with tip= .*catcp, x\)"
+    with pytest.warns(ModelWarning, match=told):
+        assert read_urdf(text).tool_frame == "catcp"
+    assert read_urdf(text, tip="x").notes == ()
 
 
 def test_a_hand_not_its_finger_is_the_tool():
-    links = list(map(link, ("palm", "left", "right", "left_end")))
-    hand = joint("h", "b", "palm", '<origin xyz="0 0 5"/>', "fixed")
-    fingers = joint("l", "palm", "left"), joint("r", "palm", "right", LIMIT + '<mimic joint="l"/>')
+    links = list(map(link, ("plate", "left", "right", "left_end")))
+    hand = joint("h", "b", "plate", '<origin xyz="0 0 5"/>', "fixed")
+    fingers = joint("l", "plate", "left"), joint("r", "plate", "right", LIMIT + '<mimic joint="l"/>')
     end = joint("e", "left", "left_end", "", "continuous")
-    model = read_urdf(robot(*ARM, *links, hand, *fingers, end))
+    with pytest.warns(ModelWarning, match="'plate' is taken for the tool, a guess"):
+        model = read_urdf(robot(*ARM, *links, hand, *fingers, end))
     assert (model.tip, model.tool[2][3]) == (0, 5)
     longer = link("nail"), joint("m", "left_end", "nail", "", "continuous")
-    assert read_urdf(robot(*ARM, *links, hand, *fingers, end, *longer)).tip == 4
+    with pytest.warns(ModelWarning, match="'nail' is taken for the tool, a guess"):
+        assert read_urdf(robot(*ARM, *links, hand, *fingers, end, *longer)).tip == 4
 
 
 def test_root_and_tip_are_links_of_choice():
@@ -281,7 +294,7 @@ BAD = {
 def test_bad_files_are_refused_by_line(case):
     text, line, message = BAD[case]
     with pytest.raises(ModelError, match=f"(?s){message}") as caught:
-        read_urdf(text)
+        read_urdf(text, check="strict")
     where = "URDF text: " if line is None else f"URDF text, line {line}[:,]"
     assert re.match(where, str(caught.value)), str(caught.value)
 
@@ -298,8 +311,8 @@ def test_a_bomb_takes_no_time_and_a_large_file_is_not_read():
 
 def test_impossible_inertia_can_be_asked_for():
     text = robot(ARM[0], link("b", inertia(izz=2.1)), ARM[2])
-    with pytest.warns(UserWarning, match="no body has"):
-        read_urdf(text, check_inertia="warn")
+    with pytest.warns(ModelWarning, match="no body has"):
+        assert read_urdf(text, check_inertia="warn").bodies[0].inertia[2] == 2.1
     assert read_urdf(text, check_inertia=False).bodies[0].inertia[2] == 2.1
 
 
@@ -310,7 +323,7 @@ def test_an_inertia_without_mass_counts_where_it_is_asked_for():
     )
     text = robot(link("a"), link("b", inertia(2.0)), link("c", inertia(0.0, ixx=0.5)), joint("j", "a", "b"), fixed)
     with pytest.raises(ModelError, match="link 'c' has no mass, but an inertia"):
-        read_urdf(text)
+        read_urdf(text, check="strict")
     (body,) = read_urdf(text, check_inertia=False).bodies
     np.testing.assert_allclose([body.mass, *body.inertia[:3]], [2.0, 2.0, 1.5, 2.0], rtol=0.0, atol=1e-15)
     assert read_urdf(robot(ARM[0], link("b", inertia(izz=2.0)), ARM[2])).bodies[0].inertia[2] == 2.0

@@ -19,6 +19,7 @@ OBSERVER_SAMPLES = 0.6  # bandwidth of the observer times the sample time, at mo
 INTEGRAL_RATIO = 3.0  # crossover on the floor over the corner of the integral
 COUNT_RIPPLE = 0.05  # current that one encoder count may cost, as a part of the limit
 COUNT_PEAK = 0.8  # speed that one count costs the observer, in counts times its bandwidth
+SLOWEST = 1e-9  # rad/s: no loop is slower
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,10 +66,9 @@ def tune_wheel(axis: ServoAxis, spinning_inertia: float, *, dt: float = 1e-3, ph
     Raises
     ------
     OutOfLimits
-        An inertia not in (0, axis.inertia], a sample time that is not positive, a margin not in (0.2, 1.2) rad.
+        An inertia not in (0, axis.inertia], a sample time that is not positive, a margin not in (0.2, 1.2) rad, a
+        wheel that no loop keeps the margin of.
     """
-    from scipy.optimize import brentq  # heavy: on first use
-
     _check(axis, spinning_inertia, dt, phase_margin)
     lag = axis.inductance / axis.resistance
     fastest = OBSERVER_SAMPLES / (OBSERVER_RATIO * dt)
@@ -78,7 +78,7 @@ def tune_wheel(axis: ServoAxis, spinning_inertia: float, *, dt: float = 1e-3, ph
         lags = cmath.phase(_observer(s, OBSERVER_RATIO * w)) - math.atan(w * lag) - LOOP_DELAY * dt * w
         return math.pi / 2 + lags - math.atan(spinning_inertia / axis.inertia / INTEGRAL_RATIO)
 
-    by_phase = brentq(lambda w: phase(w) - phase_margin, 1e-3 / dt, math.pi / dt)
+    by_phase = _crossing(lambda w: phase(w) - phase_margin, dt)
     by_counts = _resolvable(axis, spinning_inertia)
     crossover = min(by_phase, by_counts, fastest)
     limit = {by_phase: "phase margin", by_counts: "encoder resolution", fastest: "sample time"}[crossover]
@@ -119,10 +119,29 @@ def _resolvable(axis: ServoAxis, inertia: float) -> float:
     return math.sqrt(allowed / (COUNT_PEAK * OBSERVER_RATIO * count))
 
 
-def _margin(loop: Callable[[float], complex], dt: float) -> LoopMargin:
+def _crossing(falling: Callable[[float], float], dt: float) -> float:
+    """Frequency (rad/s) below that of the samples at which a falling function is zero.
+
+    Raises
+    ------
+    OutOfLimits
+        There is none.
+    """
     from scipy.optimize import brentq  # heavy: on first use
 
-    crossover = brentq(lambda w: abs(loop(w)) - 1.0, 1e-3, math.pi / dt)
+    low, high = 1e-3 / dt, math.pi / dt
+    while not falling(low) > 0.0 and low > SLOWEST:
+        low *= 0.1
+    if not falling(low) > 0.0 > falling(high):
+        raise OutOfLimits(
+            f"tune_wheel: no speed loop of this wheel keeps its phase margin at any crossover from {low:.2g} to "
+            f"{high:.3g} rad/s; check inertias, inductance and resistance, give a shorter dt or a smaller phase_margin"
+        )
+    return float(brentq(falling, low, high))
+
+
+def _margin(loop: Callable[[float], complex], dt: float) -> LoopMargin:
+    crossover = _crossing(lambda w: abs(loop(w)) - 1.0, dt)
     return LoopMargin(crossover, math.pi + cmath.phase(loop(crossover)))
 
 

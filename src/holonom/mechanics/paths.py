@@ -66,10 +66,10 @@ def follow(arm: Arm, T: ArrayLike, q0: ArrayLike, *, jump: float = JUMP) -> Bran
     ShapeError, NotAPose, InputError
         T or q0 of another shape; no closed form for this arm.
     """
-    found = _solutions(arm, T, jump)
     start = joint_vectors("q0", q0, arm.limits.names)
     if start.ndim != 1:
         raise ShapeError(f"q0 must be of shape ({arm.n},); shape {start.shape} came")
+    found = _solutions(arm, T, jump, start)
     first = arm.ik_nearest(np.asarray(T, dtype=float)[0], start)
     if first.status == IkStatus.UNREACHABLE:
         return BranchPath("", first.q[None][:0], 0, "pose 0 is out of reach")
@@ -88,10 +88,10 @@ def feasible_branches(arm: Arm, T: ArrayLike, *, jump: float = JUMP) -> list[Bra
     return sorted((_within_limits(arm, _best_turns(arm, p)) for p in paths), key=lambda p: (not p.feasible, -p.reached))
 
 
-def _solutions(arm: Arm, T: ArrayLike, jump: float) -> IkResult:
+def _solutions(arm: Arm, T: ArrayLike, jump: float, q0: Array | None = None) -> IkResult:
     if not jump > 0.0:
         raise InputError(f"jump is {jump}; a positive step in rad or m is needed")
-    found = arm.ik(T)
+    found = arm.ik(T, q0)
     if found.q.ndim != 3 or not len(found.q):
         raise ShapeError(f"a path is (N, 4, 4) with N > 0; shape {np.shape(T)} came")
     return found

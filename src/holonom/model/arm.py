@@ -187,6 +187,9 @@ class ArmModel:
     `rotors` says what of the spinning rotors counts: "reflected" their inertia on the diagonal of B, "full" their
     coupling with what carries them and the gyroscopic moments too (every motor must state its axis then). Where
     `links_include_rotors` is false the rotors' masses and locked inertias are added to the bodies that carry them.
+
+    `tool_frame` is the frame that the tool was read from. `no_inertia` says why there are no `bodies`, where a
+    description states some that cannot be; `notes` what of a description was passed over or guessed.
     """
 
     name: str
@@ -203,6 +206,9 @@ class ArmModel:
     links_include_rotors: bool = True
     base_body: Body | None = None
     floating: bool = False
+    tool_frame: str = field(default="", compare=False)
+    no_inertia: str = field(default="", compare=False)
+    notes: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         if self.rotors not in get_args(Rotors):
@@ -232,6 +238,15 @@ class ArmModel:
     def tool_joint(self) -> int:
         """Number of the joint that carries the tool."""
         return len(self.joints) - 1 if self.tip is None else self.tip
+
+    @property
+    def tool_name(self) -> str:
+        """Of the frame at which the tool is, as far as it is the one that was read; "" elsewhere."""
+        here = any(
+            frame.name == self.tool_frame and frame.joint == self.tool_joint and frame.pose == self.tool
+            for frame in self.frames
+        )
+        return self.tool_frame if here else ""
 
     @property
     def independent(self) -> tuple[int, ...]:

@@ -46,8 +46,8 @@ def check_pose(T: Any, name: str = "pose") -> Array:
     try:
         given = np.asarray(T)
         A = given if given.dtype.kind == "c" else np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError) as problem:
-        raise NotAPose(f"{name} holds something that is not a number: {problem}") from None
+    except (TypeError, ValueError):
+        raise NotAPose(f"{name} holds something that is not a number, or rows that differ in length") from None
     if A.dtype.kind == "c":
         raise NotAPose(f"{name} holds complex numbers; give real ones")
     if A.shape[-2:] != (4, 4):

@@ -47,6 +47,7 @@ def compile(
     columns: Callable[..., Any] | None = None,
     result: Callable[..., Any] | None = None,
     few: int | None = None,
+    checked: bool = False,
 ) -> Kernel:
     """Trace an equation once and return its kernel; machine code is made on first use, or loaded from the cache.
 
@@ -72,6 +73,8 @@ def compile(
         with them (perhaps viewed as another type). By default a plain tuple.
     few
         Rows, over all calls, from which on the batch form is compiled; by default 2,000.
+    checked
+        A result that is not finite is an error: for equations that divide by what may be 0.
 
     Raises
     ------
@@ -83,6 +86,7 @@ def compile(
     graph = Graph()
     ins = [_field(key, shape, key in integers) for key, shape in inputs.items()]
     outs = [_field(key, shape, key in integers) for key, shape in outputs.items()]
+    outs = [dataclasses.replace(f, checked=checked and not f.integer) for f in outs]
     raw = equation(*([graph.input(f.name, k) for k in range(f.width)] for f in ins))
     values = [raw] if len(outs) == 1 and columns is None else list(raw)
     loop = columns_of(name, columns, len(values[0]), len(values[1]), outs) if columns else None
@@ -121,8 +125,8 @@ class Kernel:
 
     Call it with one array per input: one sample each (its own shape) or a batch of rows (leading axes before it).
     `kernel.single(in1, ..., out1, ...)` is the fastest way for one sample: C-contiguous float64 arrays of exactly the
-    declared shapes, outputs given; it returns 0, 1 (something else came) or 2 (NaN or infinity among the inputs, or
-    numbers beyond their bounds).
+    declared shapes, outputs given; it returns 0, 1 (something else came) 2 (NaN or infinity among the inputs, or
+    numbers beyond their bounds) or 3 (the result is not finite, where that is checked).
     """
 
     def __init__(
@@ -283,17 +287,21 @@ class Kernel:
             fine = self._batch.run((*rows, *results), count, threads)
         if count and not fine:
             self._name_bad(rows, lead)
+            self._name_result(results, lead)
         return self.result(*results)
 
     def _one_by_one(self, rows: Sequence[Array], results: Sequence[Array], count: int) -> bool | None:
         """Evaluate rows by the one-sample form: whether all inputs were finite; None if it cannot read these arrays."""
         shaped = zip((*self.inputs, *self.outputs), (*rows, *results), strict=True)
         every = [(a.reshape(count, f.width), f.shape) for f, a in shaped]
+        fine = True
         for k in range(count):
             status = self.single(*(a[k].reshape(shape) for a, shape in every))
             if status:
-                return None if status == 1 else False
-        return True
+                if status == 1:
+                    return None
+                fine = False
+        return fine
 
     def _rows_of(self, arrays: Sequence[Any]) -> tuple[Sequence[Array], tuple[int, ...]]:
         """Return the inputs as C-contiguous rows (N, width) and the leading axes they share."""
@@ -341,6 +349,16 @@ class Kernel:
                 why = "whole turns can no longer be told apart" if f.bound == REVOLUTION else "products of it overflow"
                 raise OutOfLimits(
                     f"{f.name}[{slot}] is {a[row, slot]:g}{_place(row, lead)}: beyond {f.bound:g} {why}; give less"
+                )
+
+    def _name_result(self, results: Sequence[Array], lead: tuple[int, ...]) -> None:
+        for f, a in zip(self.outputs, results, strict=True):
+            bad = np.argwhere(~np.isfinite(a.reshape(-1, f.width))) if f.checked else np.empty((0, 2))
+            if len(bad):
+                row, slot = bad[0]
+                raise NotFinite(
+                    f"{f.name}[{slot}] of {self.name} would be {a.reshape(-1, f.width)[row, slot]}"
+                    f"{_place(row, lead)}: it is not defined for these inputs, where the equation divides by 0"
                 )
 
 

@@ -12,8 +12,9 @@ from holonom.app.console.answer import Answer
 from holonom.app.console.output import prepare_output
 from holonom.app.recording import read_recording
 from holonom.errors import InputError
-from holonom.mechanics import Arm, load_arm
+from holonom.mechanics import Arm
 from holonom.mechanics.identification import Identification, identify
+from holonom.model.load import found_model
 
 __all__ = ["calibrate_dynamics"]
 
@@ -38,7 +39,7 @@ def calibrate_dynamics(
     InputError
         No such recording or arm, another number of joints, or a motion that tells too little.
     """
-    arm = load_arm(arm_name)
+    arm = Arm(found_model(arm_name))
     read = read_recording(recording)
     track = read.joints
     if track.position.shape[1] != arm.n or track.effort.shape[1] != arm.n:
@@ -54,7 +55,7 @@ def calibrate_dynamics(
         )
     folder = None if output is None else prepare_output(output)
     found = identify(arm, track.time, track.position, track.effort, cutoff=cutoff, friction=friction)
-    data = {"recording": str(recording), "arm": arm_name, **_data(found)}
+    data = {"recording": str(recording), "arm": arm_name, **_data(found), "notes": list(arm.model.notes)}
     if folder is not None:
         (folder / FILE).write_text(json.dumps(data, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     return Answer(_text(arm, found), data)
@@ -75,6 +76,8 @@ def _data(found: Identification) -> dict[str, Any]:
         "without_effect": list(found.without_effect),
         "torque_noise": found.noise.tolist(),
         "torque_misfit": found.misfit.tolist(),
+        "torque_misfit_explained": found.explained.tolist(),
+        "doubts": list(found.doubts),
         "bodies": [
             {"joint": joint.name, "mass": body.mass, "com": list(body.com), "inertia": list(body.inertia)}
             for joint, body in zip(joints, bodies, strict=True)
@@ -105,4 +108,6 @@ def _text(arm: Arm, found: Identification) -> str:
         lines.append(f"without effect on any torque: {', '.join(found.without_effect)}")
     misfit = ", ".join(f"{x:.3g}" for x in np.asarray(found.misfit))
     lines.append(f"torques of the identified arm miss the measured ones by {misfit} N m (rms, filtered)")
+    lines += [f"warning: {doubt}" for doubt in found.doubts]
+    lines += [f"note: {note}" for note in arm.model.notes]
     return "\n".join(lines)

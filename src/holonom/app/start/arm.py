@@ -12,7 +12,8 @@ from holonom.app.cell.build.arm import usual_home
 from holonom.app.start.text import angle, length, listed, quoted, round_down, rows
 from holonom.errors import ModelError
 from holonom.machine.arm.servos import check_drives
-from holonom.model import PRESETS, ArmModel, Joint, JointLimits, load_model, reach
+from holonom.model import PRESETS, ArmModel, Joint, JointLimits, reach
+from holonom.model.load import found_model
 
 __all__ = ["PROGRAM", "ArmStart", "arm_starts", "source_of"]
 
@@ -111,7 +112,7 @@ def source_of(name: str, folder: Path) -> tuple[str, ArmModel]:
         No such preset; a file that is missing or no arm.
     """
     try:
-        model = load_model(name)
+        model = found_model(name)
     except ModelError as problem:
         if "$(find" not in str(problem):
             raise

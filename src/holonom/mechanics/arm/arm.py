@@ -63,7 +63,8 @@ class Arm:
         return Arm, (self.model,)  # a copy, or another process, compiles for itself
 
     def __repr__(self) -> str:
-        return f"Arm({self.model.name!r}, n={self.n})"
+        tool = f", tool={self.model.tool_name!r}" if self.model.tool_name else ""
+        return f"Arm({self.model.name!r}, n={self.n}{tool})"
 
     @property
     def limits(self) -> Limits:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Literal
 
 from holonom.errors import UnknownName
 from holonom.mechanics.arm.arm import Arm
-from holonom.model import Body, DHRow, JointLimits, arm_model_from_dh, load_model
+from holonom.model import Body, DHRow, JointLimits, arm_model_from_dh
+from holonom.model.load import CheckInertia, CheckMode, found_model, warn_of
 
 __all__ = ["arm_from_dh", "load_arm"]
 
@@ -18,7 +18,8 @@ def load_arm(
     *,
     root: str | None = None,
     tip: str | None = None,
-    check_inertia: bool | Literal["warn"] = True,
+    check: CheckMode = "warn",
+    check_inertia: CheckInertia = True,
     packages: Mapping[str, str | Path] | None = None,
     arguments: Mapping[str, str] | None = None,
 ) -> Arm:
@@ -27,9 +28,11 @@ def load_arm(
     Parameters
     ----------
     source : a preset's name ("puma560", ...), or a file that ends in .urdf, .xml or .xacro. Meshes are never opened.
-    root, tip : links that are the base and the tool; by default the root of the tree and the link that is called or
-        placed like a tool (see `holonom.model.read_urdf`).
-    check_inertia : whether an inertia that no rigid body has is an error (True), a warning ("warn") or taken (False).
+    root, tip : links that are the base and the tool; by default the root of the tree and the link that is called like
+        a tool, else a guess that a warning tells (see `holonom.model.read_urdf`).
+    check : "warn": what a file may leave out or say too much is taken as a warning says; "strict": it is an error.
+    check_inertia : whether a moving link with an inertia that no rigid body has takes the dynamics away (True), is
+        taken with a warning ("warn") or without (False).
     packages : for xacro, the folder of each package that `$(find name)` may name. A xacro file is read in a process of
         its own that may read its own folder and these, and no environment.
     arguments : for xacro, the values of `$(arg name)`.
@@ -40,8 +43,16 @@ def load_arm(
         No such preset or link; the message lists them.
     ModelError
         The file cannot be read or describes no arm; the message names file, line, element and what to do.
+
+    Warns
+    -----
+    ModelWarning
+        What of the file was passed over or guessed, with its line; `arm.model.notes` keeps it.
     """
-    model = load_model(source, root=root, tip=tip, check_inertia=check_inertia, packages=packages, arguments=arguments)
+    model = found_model(
+        source, root=root, tip=tip, check=check, check_inertia=check_inertia, packages=packages, arguments=arguments
+    )
+    warn_of(model)
     return Arm(model)
 
 

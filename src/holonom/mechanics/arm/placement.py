@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import Array
 from holonom.mechanics.equations.dynamics.inertia import Inertial
+from holonom.mechanics.kernels.movable import BY_INERTIA, check_movable
 from holonom.mechanics.kernels.placement import GIVEN, NEEDED, payload_numbers
 from holonom.mechanics.kernels.table import Calls, named
 from holonom.model import ArmModel
@@ -35,7 +36,7 @@ class Placement:
     def __init__(
         self, first: ArmModel, calls: Calls, kernel: Callable[..., Kernel], model: ArmModel, payload: Inertial
     ) -> None:
-        self.payload, self._of_first, self._kernel = payload, calls, kernel
+        self.payload, self._of_first, self._kernel, self._model = payload, calls, kernel, model
         here, there = _numbers(model, payload), _numbers(first, NO_LOAD)
         self.numbers = here
         self._changed = {name for name in GIVEN if not np.array_equal(here[name], there[name])}
@@ -46,6 +47,8 @@ class Placement:
 
     def kernel(self, name: str, **options: Any) -> tuple[Kernel, tuple[Array, ...]]:
         """A kernel that serves any placement, and the arrays that follow its own inputs; none if it depends on none."""
+        if name in BY_INERTIA:
+            check_movable(self._model)
         found = self._kernel(name, **options, given=NEEDED)
         reads = [f.name for f in found.inputs if f.name in GIVEN]
         if not self._changed.intersection(reads):

@@ -58,8 +58,10 @@ def sized_drives(arm: Arm, q: ArrayLike) -> Arm:
     """
     model = arm.model
     if model.bodies is None:
+        why = f" ({model.no_inertia})" if model.no_inertia else ""
         raise MissingInertia(
-            f'arm {model.name!r} states no inertia, so its drives cannot be sized; state it or use drives = "ideal"'
+            f"arm {model.name!r} states no inertia{why}, so its drives cannot be sized; "
+            'state it or use drives = "ideal"'
         )
     if len(model.independent) < len(model.joints):
         raise ModelError(f"arm {model.name!r} has joints that follow others; their drives cannot be sized")

@@ -19,6 +19,7 @@ from holonom.mechanics.identification.consistent import (
     prior_parameters,
 )
 from holonom.mechanics.identification.measurement import equations_of
+from holonom.mechanics.identification.misfit import doubts_of, misfit_of
 from holonom.model import ArmModel
 
 __all__ = ["Identification", "identify"]
@@ -44,6 +45,9 @@ class Identification:
     parameters : (14 N,) a full set that can exist, closest to the estimate; what is not in `base` comes from the prior.
     model : the arm with these parameters.
     misfit : (n,) root mean square of the filtered torques about those of `model`, N m.
+    explained : (n,) how much of it the torques' noise explains, as it is seen above the cutoff, N m.
+    doubts : what speaks against the record, in sentences: torques missed far beyond their noise, as by a joint of
+        wrong sign, degrees or swapped joints; positions out of the arm's limits then.
     """
 
     base: BaseParameters
@@ -57,6 +61,8 @@ class Identification:
     parameters: Array
     model: ArmModel
     misfit: Array
+    explained: Array
+    doubts: tuple[str, ...]
 
     def interval(self, deviations: float = 1.96) -> tuple[Array, Array]:
         """Bounds of the base parameters; 1.96 standard deviations hold 95 %."""
@@ -116,11 +122,13 @@ def identify(
 
     p = _full(arm.model if prior is None else prior, base, weighted, target, prior_weight)
     identified = model_from_parameters(arm.model, p, friction=friction)
-    misfit = [np.sqrt(np.mean((w @ (base.grouping @ p) - v) ** 2)) for w, v in zip(W, t, strict=True)]
+    misfit = misfit_of([w @ (base.grouping @ p) - v for w, v in zip(W, t, strict=True)], t, found.noise)
+    limits = arm.limits
+    doubts = doubts_of(misfit, limits.names, np.asarray(q, dtype=float), limits.lower, limits.upper)
     weak = tuple(base.names[k] for k in base.columns[deviations > WEAK * np.abs(values)])
     return Identification(
         base, values, deviations, covariance, float(s[0] / s[-1]), weak, base.without_effect,
-        noise, p, identified, np.array(misfit),
+        noise, p, identified, misfit.missed, misfit.explained, doubts,
     )  # fmt: skip
 
 

@@ -21,11 +21,15 @@ AT_REST = 0.01  # of a joint's largest speed: below, the direction of its fricti
 
 @dataclass(frozen=True, slots=True)
 class Equations:
-    """Filtered samples: Y (N, n, b), tau (N, n) less what is known of it, and which joints move clearly (N, n)."""
+    """Filtered samples: Y (N, n, b), tau (N, n) less what is known of it, and which joints move clearly (N, n).
+
+    `noise` (n,) is the standard deviation that the torques' white noise has in `tau`.
+    """
 
     Y: Array
     tau: Array
     moving: NDArray[np.bool_]
+    noise: Array
 
 
 def state(time: ArrayLike, q: ArrayLike, cutoff: float) -> tuple[float, Array, Array, Array]:
@@ -87,8 +91,19 @@ def equations_of(
             f"{len(torque)} samples at {dt:g} s hold {len(filtered)} independent ones below {cutoff:g} Hz; record more"
         )
     speed = np.abs(qd)
-    rest = _low_pass(torque, cutoff, dt)[keep] - filtered[..., -1]
-    return Equations(filtered[..., :-1], rest, (speed > AT_REST * speed.max(0))[keep])
+    smooth_torque = _low_pass(torque, cutoff, dt)
+    rest = smooth_torque[keep] - filtered[..., -1]
+    noise = _noise_below((torque - smooth_torque)[period:-period], cutoff, dt)
+    return Equations(filtered[..., :-1], rest, (speed > AT_REST * speed.max(0))[keep], noise)
+
+
+def _noise_below(above: Array, cutoff: float, dt: float) -> Array:
+    """Standard deviation of white noise below the cutoff, from what the filter has taken away of it."""
+    impulse = np.zeros((8 * max(1, round(1.0 / (cutoff * dt))) + 1, 1))
+    impulse[len(impulse) // 2] = 1.0
+    kept = _low_pass(impulse, cutoff, dt)
+    gain = np.sqrt(np.sum(kept**2) / np.sum((impulse - kept) ** 2))
+    return np.asarray(gain * np.sqrt(np.mean(above**2, axis=0)))
 
 
 def _low_pass(x: Array, cutoff: float, dt: float) -> Array:

@@ -99,6 +99,7 @@ def _forward_derivatives(model: ArmModel, options: Options) -> Kernel:
         name="forward_dynamics_derivatives",
         columns=derivatives.forward_dynamics_column if in_columns else None,
         result=ForwardDynamicsDerivatives,
+        checked=not in_columns,
     )
 
 

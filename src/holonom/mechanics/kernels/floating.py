@@ -10,6 +10,7 @@ from holonom.mechanics.equations.dynamics.composite_body import floating_mass_ma
 from holonom.mechanics.equations.dynamics.inertia import Inertial, from_body
 from holonom.mechanics.equations.dynamics.newton_euler import on_moving_base
 from holonom.mechanics.equations.vectors import Vector, sub
+from holonom.mechanics.kernels.movable import check_movable
 from holonom.mechanics.kernels.placement import Here, bodies_of, compile_here
 from holonom.model import ArmModel
 from holonom.numeric.small import solve_ldl
@@ -48,6 +49,7 @@ def _inverse(model: ArmModel, options: Options) -> Kernel:
 def _forward(model: ArmModel, options: Options) -> Kernel:
     """B [acceleration; qdd] = [wrench; tau] - bias."""
     n, base, friction = len(model.independent), _base_body(model), options["friction"]
+    check_movable(model, base)
     rest = [0.0] * n
 
     def equation(
@@ -61,7 +63,8 @@ def _forward(model: ArmModel, options: Options) -> Kernel:
         return found[:6], found[6:]
 
     inputs = {"q": n, "qd": n, "tau": n, "twist": 6, "wrench": 6, "minus_gravity": 3}
-    return compile_here(model, options, equation, inputs, {"acceleration": 6, "qdd": n}, name="floating_forward")
+    outputs = {"acceleration": 6, "qdd": n}
+    return compile_here(model, options, equation, inputs, outputs, name="floating_forward", checked=True)
 
 
 def _mass_matrix(model: ArmModel, options: Options) -> Kernel:

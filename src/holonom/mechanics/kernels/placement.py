@@ -59,6 +59,8 @@ def bodies_of(model: ArmModel) -> list[Inertial]:
         The model states none.
     """
     if model.bodies is None:
+        if model.no_inertia:
+            raise MissingInertia(f"arm {model.name!r} has kinematics only: {model.no_inertia}")
         raise MissingInertia(
             f"arm {model.name!r} states no masses and inertias, so it has kinematics only; "
             "give bodies (mass, com, inertia per link; <inertial> in a URDF) for dynamics"

@@ -14,7 +14,8 @@ from holonom.mechanics.kernels.floating import FLOATING
 from holonom.mechanics.kernels.inverse.closed_form import FAMILIES, closed_form
 from holonom.mechanics.kernels.inverse.geometry import inverse_kernel
 from holonom.mechanics.kernels.inverse.result import IkResult
-from holonom.mechanics.kernels.placement import Here, bodies_of, compile_here
+from holonom.mechanics.kernels.movable import BY_INERTIA, check_movable
+from holonom.mechanics.kernels.placement import NEEDED, Here, bodies_of, compile_here
 from holonom.mechanics.kernels.regressor import regressor_kernel
 from holonom.mechanics.kernels.singularities import SINGULARITIES
 from holonom.model import ArmModel
@@ -105,7 +106,8 @@ def _dynamics(verb: str, equation: Callable[..., list[Number]], given: str, want
             return equation(here.model, here.bodies, q, qd, x, friction=friction, wrench_tool=load)
 
         inputs = {"q": n, "qd": n, given: n} | ({"wrench": 6} if frame else {})
-        return compile_here(model, options, traced, inputs, {wanted: n}, name=verb)
+        checked = verb in BY_INERTIA  # stretched out, an arm of point masses has a singular inertia
+        return compile_here(model, options, traced, inputs, {wanted: n}, name=verb, checked=checked)
 
     return build
 
@@ -196,7 +198,18 @@ def named(key: Any) -> tuple[str, dict[str, Any]]:
 
 
 def make_kernel(name: str, model: ArmModel, options: Options) -> Kernel:
-    """Trace and wrap the equation `name` of the table for one arm."""
+    """Trace and wrap the equation `name` of the table for one arm.
+
+    Raises
+    ------
+    UnknownName
+        No such equation.
+    MissingInertia
+        It needs masses that the arm does not state.
+    """
     if name not in KERNELS:
         raise UnknownName("kernel", name, KERNELS)
+    loaded = options.get("given") == NEEDED or "payload" in (*options.get("given", ()), *options.get("varied", ()))
+    if name in BY_INERTIA and not loaded:  # else what moves is known when it is called
+        check_movable(model)
     return KERNELS[name](model, options)

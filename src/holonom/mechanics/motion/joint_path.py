@@ -15,7 +15,7 @@ __all__ = ["JointPath", "check_smooth", "joint_spline", "place_of"]
 
 
 _CORNER = 1e-6  # jump of the direction, relative to the largest slope, that counts as a corner
-_STILL = 1e-9  # slope, relative to the largest one, that counts as standing still
+_STILL = 1e-9  # slope and bend, relative to the largest slope, that count as standing still
 
 
 class JointPath(Protocol):
@@ -53,13 +53,25 @@ def joint_spline(points: ArrayLike, *, degree: int = 3, s: ArrayLike | None = No
     if degree not in (3, 5):
         raise OutOfLimits(f"degree {degree} of a joint spline: give 3 or 5")
     at = _chords(q) if s is None else real_array("s", s)
-    if at.shape != q.shape[:1] or not (np.diff(at) > 0.0).all():
-        raise ShapeError(f"s of shape {at.shape} for {q.shape[0]} points; give one rising number per point")
+    if at.shape != q.shape[:1] or not np.isfinite(at).all() or not (np.diff(at) > 0.0).all():
+        raise ShapeError(f"s of shape {at.shape} for {q.shape[0]} points; give one finite, rising number per point")
+    with np.errstate(over="ignore"):
+        steep = ~np.isfinite(np.diff(q, axis=0) / np.diff(at)[:, None]).all(axis=1)
+    if steep.any():
+        k = int(np.argmax(steep))
+        raise ShapeError(f"from point {k} to {k + 1} s rises by {at[k + 1] - at[k]:g} only; no slope can be that steep")
     if degree == 3:
         path: JointPath = CubicSpline(at, q, bc_type="natural")
         return path
     free = [(3, np.zeros(q.shape[1])), (4, np.zeros(q.shape[1]))]
-    spline = make_interp_spline(at, q, k=5, bc_type=(free, free))
+    try:
+        with np.errstate(all="ignore"):
+            spline = make_interp_spline(at, q, k=5, bc_type=(free, free))
+    except (np.linalg.LinAlgError, ValueError):
+        raise ShapeError(
+            f"s of the points goes in steps from {np.diff(at).min():g} to {np.diff(at).max():g}, too uneven for a "
+            "spline of degree 5; give points that are more alike, or degree=3"
+        ) from None
     quintic: JointPath = PPoly([spline(at[:-1], m) / factorial(m) for m in range(5, -1, -1)], at)
     return quintic
 
@@ -82,16 +94,18 @@ def place_of(path: JointPath, s: float) -> str:
 def check_smooth(path: JointPath, s: Array) -> None:
     """Refuse a path with a corner at a breakpoint, or one that stands still at one of `s` (N,).
 
+    Where a path turns back (dq/ds = 0, but not d2q/ds2) it runs on: only the joints' speeds are zero there.
+
     Raises
     ------
     MotionError
     """
     slope = path(s, 1)
-    size = np.abs(slope).max()
-    still = np.abs(slope).max(axis=1) <= _STILL * size
+    size, bend = np.abs(slope).max(), np.abs(path(s, 2)).max(axis=1) * (s[-1] - s[0])
+    still = np.maximum(np.abs(slope).max(axis=1), bend) <= _STILL * size
     if still.any():
         raise MotionError(
-            f"{place_of(path, float(s[np.argmax(still)]))} the path stands still (dq/ds = 0); "
+            f"{place_of(path, float(s[np.argmax(still)]))} the path stands still (dq/ds = d2q/ds2 = 0); "
             "leave out repeated points, or give a parameter that runs on"
         )
     inner = path.x[1:-1]

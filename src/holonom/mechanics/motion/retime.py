@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from holonom.arrays import Array, real_array
 from holonom.errors import MotionError, OutOfLimits, ShapeError
 from holonom.mechanics.motion.joint_path import JointPath, check_smooth, place_of
-from holonom.mechanics.motion.trajectory import JointLimits, Trajectory
+from holonom.mechanics.motion.trajectory import JointLimits, Trajectory, check_count
 from holonom.model import outside
 
 __all__ = ["DynamicArm", "retime"]
@@ -105,7 +105,7 @@ def retime(
         A limit that is zero, negative or missing: names the joint.
     MotionError
         A corner, a path that stands still or leaves the position limits, torques that cannot hold the arm: names
-        joint and place.
+        joint and place. More samples than can be held.
 
     Notes
     -----
@@ -240,6 +240,7 @@ def _rows(course: _Course, bounds: _Bounds, margins: Array, friction: Array | No
 
 def _sampled(path: JointPath, profile: _Profile, dt: float, line: int) -> Trajectory:
     """The motion every `dt`, slowed so that it ends on a sample."""
+    check_count(float(profile.time[-1]), dt)
     count = max(ceil(profile.time[-1] / dt - 1e-9), 1)
     q, qd, qdd = _at(path, profile, np.linspace(0.0, profile.time[-1], count + 1), count * dt / profile.time[-1])
     return Trajectory(dt, q, qd, qdd, line, brake=count)

@@ -12,10 +12,21 @@ from holonom.arrays import Array, real_array
 from holonom.errors import MotionError, NotFinite, OutOfLimits, ShapeError
 from holonom.model import outside
 
-__all__ = ["STILL", "JointLimits", "Trajectory", "check_inside", "joint_vector", "remainder", "standstill"]
+__all__ = [
+    "MOST_SAMPLES",
+    "STILL",
+    "JointLimits",
+    "Trajectory",
+    "check_count",
+    "check_inside",
+    "joint_vector",
+    "remainder",
+    "standstill",
+]
 
 
 STILL = 1e-12  # shorter motions (rad, m) are none
+MOST_SAMPLES = 20_000_000  # of a trajectory that is held at once
 
 
 class JointLimits(Protocol):
@@ -105,6 +116,19 @@ def check_inside(q: Array, limits: JointLimits) -> None:
         raise OutOfLimits(
             f"{limits.names[j]} is to go to {q[j]:.6g}; "
             f"its limits are {limits.lower[j]:.6g} to {limits.upper[j]:.6g} (rad or m)"
+        )
+
+
+def check_count(duration: float, dt: float) -> None:
+    """Refuse a motion of more samples than can be held, before they are made.
+
+    Raises
+    ------
+    MotionError
+    """
+    if not duration / dt <= MOST_SAMPLES:
+        raise MotionError(
+            f"the motion lasts {duration:.6g} s, more than {MOST_SAMPLES} samples of {dt:g} s; give a longer dt="
         )
 
 

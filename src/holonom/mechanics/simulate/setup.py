@@ -13,6 +13,7 @@ from holonom.arrays import Array, real_array, vectors
 from holonom.errors import InputError, OutOfLimits, ShapeError, UnknownName
 from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.kernels.closed_loop import fields_of
+from holonom.mechanics.kernels.movable import check_movable
 from holonom.mechanics.kernels.placement import GIVEN
 from holonom.mechanics.motion.trajectory import Trajectory
 from holonom.trace import Kernel
@@ -115,6 +116,8 @@ def closed_loop_of(
     if wrench_frame not in (None, "world", "tool"):
         raise UnknownName("wrench frame", str(wrench_frame), ("world", "tool"))
     given = {name: value for name, value in varied.items() if value is not None}
+    if "payload" not in given:
+        check_movable(arm.model)
     has_friction = any(joint.friction is not None for joint in arm.model.joints)
     options = {
         "law": {PDGravity: "pd_gravity", ComputedTorque: "computed_torque"}.get(type(controller), "torque"),

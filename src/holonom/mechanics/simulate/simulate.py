@@ -301,7 +301,10 @@ def _adaptive(loop: Loop, controller: Law | TorqueFunction | None, found: Simula
     start = np.concatenate([found.q[0], found.qd[0]])
     done = solve_ivp(derivative, (0.0, found.t[-1]), start, "DOP853", found.t, rtol=tolerance, atol=tolerance)
     if not done.success:
-        raise RunError(f"the adaptive integration stopped at t = {done.t[-1]:.6g} s: {done.message}")
+        raise RunError(
+            f"the adaptive integration stopped at t = {done.t[-1]:.6g} s, where no step is small enough for its "
+            'tolerance; give a larger one, or method="rk4" with a dt'
+        )
     found.q[:], found.qd[:] = done.y.T[:, :n], done.y.T[:, n:]
     for k, t in enumerate(found.t):
         found.tau[k] = rates(float(t), found.q[k], found.qd[k], np.sign(found.qd[k]))[1]

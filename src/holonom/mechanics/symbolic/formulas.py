@@ -15,6 +15,7 @@ from holonom.mechanics.equations import kinematics
 from holonom.mechanics.equations.dynamics import composite_body, coriolis, newton_euler
 from holonom.mechanics.equations.dynamics.inertia import Inertial
 from holonom.mechanics.equations.vectors import Matrix, Vector, columns, sub
+from holonom.mechanics.kernels.movable import check_movable
 from holonom.mechanics.kernels.placement import bodies_of
 from holonom.mechanics.symbolic.printing import (
     LETTER,
@@ -65,7 +66,7 @@ class _Lettered:
 
     def __init__(self, model: ArmModel, graph: Graph, letter: Letters, *, symbols: bool) -> None:
         n = len(model.independent)
-        self._source, self._letter, self._symbols = model, letter, symbols
+        self.source, self._letter, self._symbols = model, letter, symbols
         self.model = symbolic_model(model, letter) if symbols else model
         self.q, self.qd, self.qdd, self.tau = (
             [graph.input(name, k) for k in range(n)] for name in ("q", "qd", "qdd", "tau")
@@ -74,8 +75,8 @@ class _Lettered:
 
     def bodies(self) -> list[Inertial]:
         if self._symbols:
-            return symbolic_bodies(self._source, self.model, self._letter)
-        return bodies_of(self._source)
+            return symbolic_bodies(self.source, self.model, self._letter)
+        return bodies_of(self.source)
 
 
 Entries = tuple[list[str], list[Number]]
@@ -123,6 +124,7 @@ def _forward_dynamics(a: _Lettered) -> Entries:
     n, bodies = len(a.q), a.bodies()
     if n > CRAMER:
         raise InputError(f"forward dynamics of {n} joints fills pages; formulas are written for up to {CRAMER}")
+    check_movable(a.source)
     B = columns(composite_body.mass_matrix(a.model, bodies, a.q))
     force = sub(a.tau, newton_euler.inverse_dynamics(a.model, bodies, a.q, a.qd, a.rest))
     names, numerators = _vector("qdd", [_determinant([*B[:i], force, *B[i + 1 :]]) for i in range(n)])

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
 from holonom.errors import ModelError
 
-__all__ = ["MAX_BYTES", "Element", "Origin", "fault", "parse_xml"]
+__all__ = ["MAX_BYTES", "Element", "NotWellFormed", "Origin", "fault", "parse_xml", "placed"]
 
 MAX_BYTES = 16 * 2**20
 MAX_DEPTH = 64
 MAX_ELEMENTS = 200_000
+
+
+class NotWellFormed(ModelError):
+    """A document that is no XML."""
+
 
 Origin = tuple[str, int]
 """File and line that an element was written at."""
@@ -35,19 +40,12 @@ class Element:
         """Children of a tag."""
         return [child for child in self.children if child.tag == tag]
 
-    def one(self, tag: str) -> Element | None:
-        """The child of a tag, if there is one; two are an error."""
-        found = self.all(tag)
-        if len(found) > 1:
-            raise fault(found[1], f"{self.called()} has a second <{tag}>; keep one of them")
-        return found[0] if found else None
-
     def need(self, tag: str, why: str) -> Element:
-        """The child of a tag; `why` says what to do where it is missing."""
-        found = self.one(tag)
-        if found is None:
+        """The first child of a tag; `why` says what to do where it is missing."""
+        found = self.all(tag)
+        if not found:
             raise fault(self, f"{self.called()} has no <{tag}>; {why}")
-        return found
+        return found[0]
 
     def called(self) -> str:
         """How a message names the element: tag and name."""
@@ -77,13 +75,13 @@ class Element:
         x, y, z = (_finite(self, attribute, word) for word in words)
         return x, y, z
 
-    def refuse_misspelt(self, known: Iterable[str]) -> None:
-        """Refuse a child whose tag is close to a known one: it would be passed over silently."""
+    def misspelt(self, known: Iterable[str]) -> Iterator[tuple[Element, str]]:
+        """The children whose tags are close to known ones, and what was meant."""
         names = list(known)
         for child in self.children:
             close = difflib.get_close_matches(child.tag, names, n=1, cutoff=0.75)
             if close and child.tag not in names:
-                raise fault(child, f"{self.called()} has <{child.tag}>, which says nothing; did you mean <{close[0]}>?")
+                yield child, close[0]
 
 
 def _finite(element: Element, attribute: str, word: str) -> float:
@@ -96,12 +94,19 @@ def _finite(element: Element, attribute: str, word: str) -> float:
     return value
 
 
+def placed(element: Element, what: str) -> str:
+    """Return a message that starts with the element's file and line."""
+    return f"{element.source}, line {element.line}: {what}"
+
+
 def fault(element: Element, what: str) -> ModelError:
     """Return an error that starts with the element's file and line."""
-    return ModelError(f"{element.source}, line {element.line}: {what}")
+    return ModelError(placed(element, what))
 
 
-def parse_xml(content: str | bytes, source: str, origins: Sequence[Origin] | None = None) -> Element:
+def parse_xml(
+    content: str | bytes, source: str, origins: Sequence[Origin] | None = None, *, before: int = 0
+) -> Element:
     """Return the root element.
 
     Parameters
@@ -109,6 +114,7 @@ def parse_xml(content: str | bytes, source: str, origins: Sequence[Origin] | Non
     content : the document; bytes may state their encoding.
     source : what messages call it, a file name.
     origins : where each element was written, in document order, for a document that a macro processor wrote.
+    before : lines of the file before the document.
 
     Raises
     ------
@@ -117,15 +123,15 @@ def parse_xml(content: str | bytes, source: str, origins: Sequence[Origin] | Non
     """
     if len(content) > MAX_BYTES:
         raise ModelError(f"{source}: {len(content)} bytes or more; at most {MAX_BYTES} are read")
-    reader = _Reader(source, origins, "utf-8" if isinstance(content, str) else None)
+    reader = _Reader(source, origins, "utf-8" if isinstance(content, str) else None, before)
     return reader.read(content.encode() if isinstance(content, str) else content)
 
 
 class _Reader:
     """Builds the tree from expat's events."""
 
-    def __init__(self, source: str, origins: Sequence[Origin] | None, encoding: str | None) -> None:
-        self._source, self._origins = source, origins
+    def __init__(self, source: str, origins: Sequence[Origin] | None, encoding: str | None, before: int) -> None:
+        self._source, self._origins, self._before = source, origins, before
         self._open: list[Element] = []
         self._root: Element | None = None
         self._count = 0
@@ -140,9 +146,9 @@ class _Reader:
         try:
             self._parser.Parse(content, True)
         except expat.ExpatError as error:
-            problem = expat.ErrorString(error.code)
-            raise ModelError(
-                f"{self._source}, line {error.lineno}, column {error.offset + 1}: not well-formed XML ({problem})"
+            problem, line = expat.ErrorString(error.code), error.lineno + self._before
+            raise NotWellFormed(
+                f"{self._source}, line {line}, column {error.offset + 1}: not well-formed XML ({problem})"
             ) from None
         except (LookupError, UnicodeError) as error:
             raise ModelError(f"{self._source}, line 1: not well-formed XML ({error}); save the file as UTF-8") from None
@@ -152,7 +158,7 @@ class _Reader:
     def _here(self) -> Origin:
         if self._origins is not None and self._count < len(self._origins):
             return self._origins[self._count]
-        return self._source, self._parser.CurrentLineNumber
+        return self._source, self._parser.CurrentLineNumber + self._before
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         element = Element(tag, *self._here(), attributes)
@@ -172,7 +178,8 @@ class _Reader:
         self._open[-1].text += text
 
     def _doctype(self, name: str, system: str | None, public: str | None, internal: bool) -> None:
+        line = self._parser.CurrentLineNumber + self._before
         raise ModelError(
-            f"{self._source}, line {self._parser.CurrentLineNumber}: a document type (<!DOCTYPE {name}>) is not "
+            f"{self._source}, line {line}: a document type (<!DOCTYPE {name}>) is not "
             "accepted, for its entities can read files and grow without bound; delete it"
         )

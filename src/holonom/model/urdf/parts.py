@@ -9,26 +9,31 @@ from dataclasses import dataclass
 import numpy as np
 
 from holonom.arrays import Array
+from holonom.errors import ModelError
 from holonom.model.arm import Body, Friction
 from holonom.model.joint_kinds import JOINT_KINDS, kind_of
 from holonom.model.limits import JointLimits
+from holonom.model.urdf.check import Check
 from holonom.model.urdf.elements import Element, fault
+from holonom.model.urdf.limits import read_limits
 
-__all__ = ["UrdfJoint", "UrdfLink", "UrdfMimic", "read_joint", "read_link"]
+__all__ = ["MOMENTS", "UrdfJoint", "UrdfLink", "UrdfMimic", "read_joint", "read_link"]
 
 
 KINDS = {name: name for name in JOINT_KINDS} | {"continuous": "revolute"}
 """Types of a URDF, and our kinds of joints; a continuous one is without position limits."""
+MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 JOINT_PARTS = ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration", "safety_controller")
 
 
 @dataclass(frozen=True, slots=True)
 class UrdfLink:
-    """A link; `body` in the link's frame, None where the file states no inertia."""
+    """A link; `body` in the link's frame, None where the file states no inertia or, as `problem` says, none to read."""
 
     name: str
     element: Element
     body: Body | None
+    problem: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,45 +72,53 @@ class UrdfJoint:
         return kind_of(self.kind).free
 
 
-def read_link(element: Element) -> UrdfLink:
+def read_link(element: Element, check: Check) -> UrdfLink:
     """Return a link; whether its inertia can be is asked elsewhere."""
-    element.refuse_misspelt(("inertial", "visual", "collision"))
-    inertial = element.one("inertial")
-    return UrdfLink(element.word("name"), element, None if inertial is None else _body(inertial))
+    check.known(element, ("inertial", "visual", "collision"))
+    name, inertial = element.word("name"), check.one(element, "inertial")
+    if inertial is None:
+        return UrdfLink(name, element, None)
+    try:
+        return UrdfLink(name, element, _body(inertial, check))
+    except ModelError as error:  # kinematics do without it
+        if check.strict:
+            raise
+        return UrdfLink(name, element, None, str(error))
 
 
-def _body(inertial: Element) -> Body:
-    inertial.refuse_misspelt(("origin", "mass", "inertia"))
+def _body(inertial: Element, check: Check) -> Body:
+    check.known(inertial, ("origin", "mass", "inertia"))
+    for tag in ("origin", "mass", "inertia"):
+        check.one(inertial, tag)
     mass = inertial.need("mass", 'state <mass value="..."/> in kg').number("value")
     stated = inertial.need("inertia", "state ixx, ixy, ixz, iyy, iyz, izz in kg m2 about the centre of mass")
-    xx, xy, xz, yy, yz, zz = (stated.number(name) for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
+    xx, xy, xz, yy, yz, zz = (stated.number(name) for name in MOMENTS)
     if mass < 0:
         raise fault(inertial.need("mass", ""), f"the mass is {mass} kg; it must not be negative")
-    T = _pose(inertial.one("origin"))
+    T = _pose(check.one(inertial, "origin"))
     R = T[:3, :3]
     I = R @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ R.T
     values = [float(I[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))]
     return Body(mass, (float(T[0, 3]), float(T[1, 3]), float(T[2, 3])), (*values,))  # type: ignore[arg-type]
 
 
-def read_joint(element: Element) -> UrdfJoint:
+def read_joint(element: Element, check: Check) -> UrdfJoint:
     """Return a joint."""
-    element.refuse_misspelt(JOINT_PARTS)
+    check.known(element, JOINT_PARTS)
+    for tag in ("parent", "child"):
+        check.one(element, tag)
     name, stated = element.word("name"), _kind(element)
     kind = KINDS[stated]
-    mimic = element.one("mimic")
-    if mimic is not None and not kind_of(kind).single:
-        raise fault(mimic, f"joint {name!r} is {kind} and cannot mimic another; delete <mimic>")
     return UrdfJoint(
         name=name,
         kind=kind,
         parent=element.need("parent", 'state <parent link="..."/>').word("link"),
         child=element.need("child", 'state <child link="..."/>').word("link"),
-        pose=_pose(element.one("origin")),
-        axis=_axis(element) if kind_of(kind).made_of else (1.0, 0.0, 0.0),
-        limits=_limits(element, stated) if kind_of(kind).single else JointLimits(),
-        friction=_friction(element),
-        mimic=None if mimic is None else _mimic(mimic),
+        pose=_pose(check.one(element, "origin")),
+        axis=_axis(element, check) if kind_of(kind).made_of else (1.0, 0.0, 0.0),
+        limits=read_limits(element, stated, check) if kind_of(kind).single else JointLimits(),
+        friction=_friction(element, check),
+        mimic=_mimic(element, kind, check),
         element=element,
     )
 
@@ -119,8 +132,8 @@ def _kind(element: Element) -> str:
     raise fault(element, f"{element.called()} has the unknown type {stated!r}; there is {', '.join(KINDS)}{hint}")
 
 
-def _axis(element: Element) -> tuple[float, float, float]:
-    stated = element.one("axis")
+def _axis(element: Element, check: Check) -> tuple[float, float, float]:
+    stated = check.one(element, "axis")
     x, y, z = (1.0, 0.0, 0.0) if stated is None else stated.numbers("xyz", (1.0, 0.0, 0.0))
     length = math.hypot(x, y, z)
     if length < 1e-6:
@@ -128,41 +141,27 @@ def _axis(element: Element) -> tuple[float, float, float]:
     return x / length, y / length, z / length
 
 
-def _limits(element: Element, kind: str) -> JointLimits:
-    """Position, speed and effort; a continuous joint has no position limits and may state none at all."""
-    limit = element.one("limit")
-    endless = kind not in JOINT_KINDS
-    if endless and limit is None:
-        return JointLimits()
-    if limit is None or (not endless and not {"lower", "upper"} & limit.attributes.keys()):
-        raise fault(
-            limit or element,
-            f"{element.called()} is {kind} and states no position limits; add <limit lower= upper= effort= velocity=>"
-            + (', or make it type="continuous"' if kind_of(KINDS[kind]).turns else ""),
-        )
-    speed, effort = limit.number("velocity"), limit.number("effort")
-    if speed < 0 or effort < 0:
-        raise fault(limit, f"{element.called()} has velocity {speed} and effort {effort}; both must not be negative")
-    if endless:
-        return JointLimits(speed=speed, torque=effort)
-    lower, upper = limit.number("lower", 0.0), limit.number("upper", 0.0)
-    if lower > upper:
-        raise fault(limit, f"{element.called()} has the lower limit {lower} above the upper {upper}; swap them")
-    return JointLimits(lower, upper, speed=speed, torque=effort)
-
-
-def _friction(element: Element) -> Friction | None:
-    stated = element.one("dynamics")
+def _friction(element: Element, check: Check) -> Friction | None:
+    stated = check.one(element, "dynamics")
     if stated is None:
         return None
     viscous, coulomb = stated.number("damping", 0.0), stated.number("friction", 0.0)
     if viscous < 0 or coulomb < 0:
-        raise fault(stated, f"{element.called()} has damping {viscous} and friction {coulomb}; neither may be negative")
+        problem = f"{element.called()} has damping {viscous} and friction {coulomb}"
+        check.doubt(stated, problem, "what is negative is taken as 0", instead="neither may be negative")
+        viscous, coulomb = max(viscous, 0.0), max(coulomb, 0.0)
     return Friction(viscous, coulomb, coulomb) if viscous or coulomb else None
 
 
-def _mimic(element: Element) -> UrdfMimic:
-    return UrdfMimic(element.word("joint"), element.number("multiplier", 1.0), element.number("offset", 0.0), element)
+def _mimic(element: Element, kind: str, check: Check) -> UrdfMimic | None:
+    stated = check.one(element, "mimic")
+    if stated is None:
+        return None
+    if not kind_of(kind).single:
+        problem = f"joint {element.word('name')!r} is {kind} and cannot mimic another"
+        check.doubt(stated, problem, "its <mimic> is passed over", instead="delete <mimic>")
+        return None
+    return UrdfMimic(stated.word("joint"), stated.number("multiplier", 1.0), stated.number("offset", 0.0), stated)
 
 
 def _pose(origin: Element | None) -> Array:

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import heapq
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from typing import TypeVar
 
+import numpy as np
+
 from holonom.errors import ModelError, UnknownName
+from holonom.model.urdf.check import Check
 from holonom.model.urdf.elements import fault
 from holonom.model.urdf.parts import UrdfJoint, UrdfLink
 
-__all__ = ["by_name", "in_order", "root_of", "tip_of"]
+__all__ = ["below_floating", "by_name", "in_order", "root_of", "sizes_of"]
 
 Part = TypeVar("Part", UrdfLink, UrdfJoint)
-
-TOOL_NAMES = ("tcp", "tool0", "tool", "tool_link", "tip", "ee", "ee_link", "ee_gripper_link", "end_effector", "flange")
-"""What the tool's link is called by convention, best first; also behind a prefix, as in `left_tool0`."""
-
-FINGER_JOINTS = 2
-"""The most joints in a row that are still taken for a finger."""
 
 
 def by_name(parts: Sequence[Part]) -> dict[str, Part]:
@@ -88,39 +85,44 @@ def in_order(joints: Sequence[UrdfJoint], root: str) -> list[UrdfJoint]:
     return ordered
 
 
-def tip_of(ordered: Sequence[UrdfJoint], root: str) -> str:
-    """The link that carries the tool where nobody says which: see `read_urdf`."""
-    depth = {root: (0, 0)}
-    leaves = dict.fromkeys([root])
-    for joint in ordered:
-        moving, links = depth[joint.parent]
-        depth[joint.child] = (moving + (joint.moves and joint.mimic is None), links + 1)
-        leaves.pop(joint.parent, None)
-        leaves[joint.child] = None
-    for convention in TOOL_NAMES:
-        called = [link for link in depth if link.lower() == convention or link.lower().endswith(f"_{convention}")]
-        called = [link for link in called if depth[link][0] > 0]
-        if called:
-            return max(called, key=lambda link: depth[link][0])
-    farthest = max(leaves, key=lambda link: depth[link])
-    return _hand(farthest, ordered, root) or farthest
+def below_floating(ordered: Sequence[UrdfJoint], check: Check) -> tuple[Sequence[UrdfJoint], UrdfJoint | None]:
+    """The joints that a freely moving base carries, and the joint that lets it move; all of them if none does.
+
+    Only a floating joint that all that moves hangs on frees the base; others are fixed where they stand.
+    """
+    floating = [joint for joint in ordered if joint.floats]
+    first = next((joint for joint in floating if _carries_all(joint, ordered)), None)
+    for joint in floating:
+        if joint is not first:
+            check.doubt(
+                joint.element,
+                f"joint {joint.name!r} floats, and not all that moves hangs on it",
+                "it is fixed where it stands; only the base of a robot may float",
+                instead="only the base of a robot may float, and all else must hang on it. Read the parts with root=",
+            )
+    if first is None:
+        return ordered, None
+    below = _below(first, ordered)
+    return [joint for joint in ordered if joint.parent in below], first
 
 
-def _hand(finger: str, ordered: Sequence[UrdfJoint], root: str) -> str | None:
-    """The link before a finger, if the way to it ends in two or more moving branches of a few joints each."""
-    body = {root: root}  # the first link of the rigid body that a link belongs to
+def _below(joint: UrdfJoint, ordered: Sequence[UrdfJoint]) -> set[str]:
+    """The links that a joint carries."""
+    below = {joint.child}
+    for other in ordered:
+        if other.parent in below:
+            below.add(other.child)
+    return below
+
+
+def _carries_all(joint: UrdfJoint, ordered: Sequence[UrdfJoint]) -> bool:
+    below = _below(joint, ordered)
+    return all(other.parent in below for other in ordered if other.moves)
+
+
+def sizes_of(ordered: Sequence[UrdfJoint]) -> dict[str, float]:
+    """How far from a link's origin the joints are that it carries, m."""
+    sizes: dict[str, float] = {}
     for joint in ordered:
-        body[joint.child] = joint.child if joint.moves else body[joint.parent]
-    moving = [joint for joint in ordered if joint.moves]
-    branches = Counter(body[joint.parent] for joint in moving)
-    height: defaultdict[str, int] = defaultdict(int)
-    for joint in reversed(moving):
-        height[body[joint.parent]] = max(height[body[joint.parent]], height[joint.child] + 1)
-    carrier = {joint.child: joint for joint in ordered}
-    hand = None
-    while finger != root:
-        joint = carrier[finger]
-        finger, palm = joint.parent, body[joint.parent]
-        if joint.moves and palm != root and branches[palm] > 1 and height[palm] <= FINGER_JOINTS:
-            hand = finger
-    return hand
+        sizes[joint.parent] = max(sizes.get(joint.parent, 0.0), float(np.linalg.norm(joint.pose[:3, 3])))
+    return sizes

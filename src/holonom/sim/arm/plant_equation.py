@@ -9,6 +9,7 @@ from holonom.mechanics.equations import kinematics
 from holonom.mechanics.equations.dynamics import forward_dynamics
 from holonom.mechanics.equations.dynamics.inertia import merged, point_mass
 from holonom.mechanics.equations.vectors import Vector, add, dot, matvec, tvec
+from holonom.mechanics.kernels.movable import check_movable
 from holonom.mechanics.kernels.placement import bodies_of
 from holonom.model import ArmModel
 from holonom.trace import Kernel, Number, compile, less, maximum, select
@@ -20,7 +21,13 @@ def plant_kernel(model: ArmModel) -> Kernel:
     """Inputs q, qd, tau (n), payload (mass, centre of mass in the tool frame), ground (height, stiffness, damping).
 
     Outputs qdd (n), contact (1): the normal force of the ground on the tool point, N.
+
+    Raises
+    ------
+    MissingInertia
+        A joint that moves no mass, rotors counted.
     """
+    check_movable(model)
     n = len(model.joints)
     bodies = bodies_of(model)
     R_tool, p_tool = kinematics.split(model.tool)

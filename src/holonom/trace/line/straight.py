@@ -43,13 +43,15 @@ class Field:
     """A named input or output array of one sample: its shape and whether it holds small integers (`int8`).
 
     An input's length, the root of the sum of its squares, may be up to `bound`: products of larger numbers overflow,
-    and of an angle beyond `REVOLUTION` no revolution can be told.
+    and of an angle beyond `REVOLUTION` no revolution can be told. An output that is `checked` is refused where it is
+    not finite.
     """
 
     name: str
     shape: tuple[int, ...]
     integer: bool = False
     bound: float = LARGEST
+    checked: bool = False
 
     @property
     def width(self) -> int:

@@ -38,7 +38,7 @@ from holonom.trace.code.loops import callback, loop
 from holonom.trace.code.lower import lower
 from holonom.trace.call.pointer import table_at
 from holonom.trace.code.remainder import back, filled_up
-from holonom.trace.call.results import Results, entry, exists, made_like, nothing
+from holonom.trace.call.results import Results, entry, exists, made_like, nothing, release
 from holonom.trace.code.transpose import across
 
 '''
@@ -82,6 +82,16 @@ def _check(inputs: Sequence[Field]) -> list[str]:
     for n, one in enumerate(checks[1:]):
         lines.append(f"_w{n} = {checks[0] if n == 0 else f'_w{n - 1}'} + {one}")
     return [*lines, f"check = {f'_w{len(checks) - 2}' if len(checks) > 1 else checks[0]} + 0.0"]
+
+
+def _check_results(outputs: Sequence[Field], results: Results) -> list[str]:
+    """`check` stays 0.0 if all results are finite, else NaN."""
+    first, *rest = [value for f in outputs if f.checked for value in results[f.name]]
+    lines, total = [], first
+    for k, value in enumerate(rest):
+        lines.append(f"_r{k} = {total} + {value}")
+        total = f"_r{k}"
+    return [*lines, f"_r = {total} * 0.0", "check = check + _r"]
 
 
 def lanes_at_once(operations: int) -> int:
@@ -146,13 +156,14 @@ def _samples(
     """
     given, taken = [f.name for f in inputs], [f.name for f in outputs]
     begin = [*loads(inputs), *_check(inputs)]
+    end = [*(_check_results(outputs, results) if any(f.checked for f in outputs) else ()), "return check"]
     if columns is None and len(body) < LONG:
-        program = [*begin, *body, *stores(outputs, results), "return check"]
+        program = [*begin, *body, *stores(outputs, results), *end]
         return intrinsic("straight_line", program, [*given, *taken, "start"], BLOCK_FLAGS, lanes)
     found = [Field(f"_{f.name}", f.shape) for f in outputs]
     left = found if columns is None else columns.given
     values = {f"_{name}": values for name, values in results.items()} if columns is None else results
-    program = [*begin, *stored_at_once(body, stores(left, values)), "return check"]
+    program = [*begin, *stored_at_once(body, stores(left, values)), *end]
     text = intrinsic("line", program, [*given, *(f.name for f in left), "start"], BLOCK_FLAGS, lanes)
     steps = [f"check = line({', '.join((*given, *(f.name for f in left)))}, place)"]
     if columns is not None:
@@ -187,12 +198,17 @@ def emit_single(
     return (
         MODULE.format(title=title, count=len(body))
         + intrinsic("finite", check, given, SCALAR_FLAGS, 1)
+        + _finite_results(outputs)
         + _line(body, inputs, outputs, results, parts)
         + f'@loop(types.int64({", ".join(kinds)}), error_model="numpy")\n'
         + f"def single({', '.join((*given, *taken))}):\n"
         + f"    if not ({' and '.join(f'fits({name})' for name in (*given, *taken))}):\n        return 1\n"
         + f"    if finite({_arrays(given)}) != 0.0:\n        return 2\n"
-        + f"    straight_line({_arrays((*given, *taken))})\n    return 0\n\n\nsingle = direct(single)\n"
+        + f"    straight_line({_arrays((*given, *taken))})\n"
+        + "".join(
+            f"    if finite_{f.name}(array_of({f.name})) != 0.0:\n        return 3\n" for f in outputs if f.checked
+        )
+        + "    return 0\n\n\nsingle = direct(single)\n"
     )
 
 
@@ -216,6 +232,7 @@ def emit_made(
     return (
         MODULE.format(title=title, count=len(body))
         + intrinsic("finite", check, given, SCALAR_FLAGS, 1)
+        + _finite_results(outputs)
         + _line(body, inputs, outputs, results, parts)
         + f"RESULT = {result}\n\n\n"
         + f'@loop(RESULT({", ".join(kinds[: len(inputs)])}, RESULT), error_model="numpy")\n'
@@ -223,8 +240,20 @@ def emit_made(
         + f"    if not ({' and '.join(f'fits({name})' for name in given)}) or finite({_arrays(given)}) != 0.0:\n"
         + "        return nothing(like)\n"
         + f"    result = made_like(like)\n    if exists(result):\n        straight_line({places})\n"
+        + "".join(
+            f"        if finite_{f.name}(array_of(entry(result, {k}))) != 0.0:\n"
+            "            release(result)\n            return nothing(like)\n"
+            for k, f in enumerate(outputs)
+            if f.checked
+        )
         + "    return result\n\n\nmade = direct(made)\n"
     )
+
+
+def _finite_results(outputs: Sequence[Field]) -> str:
+    """Text of `finite_y(y)`, 0.0 or NaN, for the outputs that are checked."""
+    programs = ((f, [*loads([f]), *_check([f]), "return check"]) for f in outputs if f.checked)
+    return "".join(intrinsic(f"finite_{f.name}", program, [f.name], SCALAR_FLAGS, 1) for f, program in programs)
 
 
 def _arrays(names: Sequence[str]) -> str:

@@ -107,7 +107,9 @@ def build_arm_job(
         hold=robot.hold or 0.0,
         steady=bool(robot.steady_tool),
     )
-    return ArmBuild(job, tuple(f"{called}: {note}" for note in (*notes, *more, *slowed)), tuple(unreachable))
+    return ArmBuild(
+        job, tuple(f"{called}: {note}" for note in (*arm.model.notes, *notes, *more, *slowed)), tuple(unreachable)
+    )
 
 
 def _standing(robot: Robot, mount: Mount | None) -> Arm:
@@ -207,7 +209,10 @@ def _driven_as_stated(arm: Arm, home: Array) -> tuple[Arm, str, tuple[str, ...]]
 
 def _check_inertia(arm: Arm) -> None:
     if arm.model.bodies is None:
-        raise ModelError(f'arm {arm.model.name!r} states no inertia, so its motors cannot be simulated; use "ideal"')
+        why = f": {arm.model.no_inertia}" if arm.model.no_inertia else ""
+        raise ModelError(
+            f'arm {arm.model.name!r} states no inertia, so its motors cannot be simulated; use "ideal"{why}'
+        )
 
 
 def _with_motors(arm: Arm, tables: tuple[JointDrive, ...]) -> Arm:
@@ -251,9 +256,10 @@ def _with_limits(arm: Arm, home: Array) -> tuple[Arm, tuple[str, ...]]:
         if not (0.0 < known.speed < math.inf):
             limits = dataclasses.replace(limits, speed=SLOW_TURN if joints[i].turns else SLOW_SLIDE)
             slow.append(name)
+        speed = known.speed if 0.0 < known.speed < math.inf else limits.speed
         if not (0.0 < known.acceleration < math.inf):
             most = 0.5 * known.torque / b if 0.0 < known.torque < math.inf and 0.0 < b < math.inf else math.inf
-            limits = dataclasses.replace(limits, acceleration=min(min(limits.speed, known.speed) / RUN_UP, most))
+            limits = dataclasses.replace(limits, acceleration=min(speed / RUN_UP, most))
             eager.append(name)
         joints[i] = dataclasses.replace(joints[i], limits=limits)
     if not slow and not eager:

@@ -19,7 +19,8 @@ from holonom.errors import CellError, InputError, ModelError, UnknownName
 from holonom.mobile import Wheel, WheelBase
 from holonom.mobile.base.wheel import KINDS
 from holonom.mobile.methods import ARRANGEMENTS
-from holonom.model import PRESETS, ArmModel, load_model, preset
+from holonom.model import PRESETS, ArmModel, preset
+from holonom.model.load import CHECKS, CheckMode, found_model
 
 __all__ = ["ArmSource", "BaseSource", "BodyTable", "FileTable", "ReadModel", "WheelTable", "base_schema", "form_schema"]
 
@@ -50,7 +51,11 @@ class FileTable(Section):
     root: Text | None = None
     """the link that is the base; the one that no joint carries unless given"""
     tip: Text | None = None
-    """the link that is the tool; the one that is called or placed like one unless given"""
+    """the link that is the tool; the one that is called like one, else a guess that is noted, unless given"""
+    check: Annotated[str, OneOf(CHECKS)] = "warn"
+    """what the file may leave out or say too much: "warn" notes what is taken instead, "strict" refuses it"""
+    check_inertia: Annotated[bool, Strict()] = True
+    """whether an inertia that no body has takes the dynamics away; false takes it as it is"""
 
 
 class WheelTable(Section):
@@ -164,7 +169,10 @@ def _preset(given: Mapping[str, Any], info: ValidationInfo) -> ArmSource:
 
 def _from_file(given: Mapping[str, Any], info: ValidationInfo) -> ArmSource:
     table = read_form(FileTable, given, info.context)
-    model = load_model(table.file, root=table.root, tip=table.tip)
+    check: CheckMode = "strict" if table.check == "strict" else "warn"
+    model = found_model(
+        table.file, root=table.root, tip=table.tip, check=check, check_inertia=table.check_inertia
+    )  # its notes are the cell's
     return ArmSource(table.file.name, "", model)
 
 
