@@ -23,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 
 from fuzz.mutate import mutant
 from fuzz.readers import READERS, SEEDS, Reader
-from holonom.errors import InputError
+from holonom.errors import InputError, ModelWarning
 
 __all__ = ["main", "run_reader"]
 
@@ -73,6 +73,7 @@ def run_reader(name: str, reader: Reader, numbers: Sequence[int], seconds: float
         with suppress(Exception):
             reader.read(path)  # whatever is loaded and compiled at first is none of an input's
         warnings.simplefilter("error")
+        warnings.simplefilter("ignore", ModelWarning)  # what a robot file states beside itself
         _limit_memory()
         for number in numbers:
             if time.perf_counter() - begin > seconds:

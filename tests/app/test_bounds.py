@@ -236,3 +236,16 @@ def test_a_size_is_looked_at_before_it_is_read(tmp_path: Path) -> None:
     (tmp_path / "x").write_bytes(b"\xff")
     with pytest.raises(ProgramError, match=r"x:1: not UTF-8"):
         read_text(tmp_path / "x", "program", ProgramError)
+
+
+@pytest.mark.parametrize("number", ["1e308", "-1e101", "9" * 6000, "nan", "1_0"])
+def test_numbers_of_robots(number: str, tmp_path: Path) -> None:
+    """What overflows once it is squared is told where it stands."""
+    (tmp_path / "r.urdf").write_text(
+        '<robot name="r"><link name="a"/><link name="b"/>\n<joint name="j" type="continuous"><parent link="a"/>'
+        f'<child link="b"/>\n<origin xyz="0 {number} 0"/></joint></robot>',
+        "utf-8",
+    )
+    said = refused(load_arm, tmp_path / "r.urdf", ModelError)
+    assert "line 3: <origin> xyz=" in said
+    assert len(said) < 300
