@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from holonom.errors import NotFinite, OutOfLimits, ShapeError
 
 __all__ = [
+    "LARGEST",
     "REVOLUTION",
     "Array",
     "angles",
@@ -21,6 +22,7 @@ __all__ = [
     "is_number",
     "real_array",
     "shown",
+    "too_large",
     "vectors",
     "whole_number",
 ]
@@ -29,8 +31,9 @@ Array = NDArray[np.float64]
 """Floats of any shape; docstrings say which."""
 
 
-REVOLUTION = 1e15
-"""Largest angle, rad: doubles are 1/8 apart there, and beyond no revolution can be told."""
+LARGEST, REVOLUTION = 1e100, 1e15
+"""Largest number, and largest angle (rad), that is taken: products of larger numbers overflow; where angles are larger,
+doubles are 1/8 apart, and no revolution can be told."""
 
 
 def is_number(value: object) -> bool:
@@ -70,8 +73,8 @@ def finite_array(name: str, value: Any, shape: Sequence[int | str]) -> Array:
 
     Raises
     ------
-    ShapeError
-        Another shape, or values that are not finite; names the first.
+    ShapeError, NotFinite, OutOfLimits
+        Another shape; values that are not finite, or beyond `LARGEST`: names the first.
     """
     array = real_array(name, value)
     fits = array.ndim == len(shape) and all(
@@ -80,10 +83,7 @@ def finite_array(name: str, value: Any, shape: Sequence[int | str]) -> Array:
     if not fits:
         wanted = ", ".join(map(str, shape)) + ("," if len(shape) == 1 else "")
         raise ShapeError(f"{name} has shape {array.shape}; it must be ({wanted}), finite")
-    if not np.isfinite(array).all():
-        at = np.argwhere(~np.isfinite(array))[0]
-        raise NotFinite(f"{name}[{', '.join(map(str, at))}] is {array[tuple(at)]}; it must be finite")
-    return array
+    return _bounded(array, lambda at: (f"{name}[{', '.join(map(str, at))}] is", ""), "it must be finite")
 
 
 def finite(name: str, value: Any) -> Array:
@@ -91,51 +91,59 @@ def finite(name: str, value: Any) -> Array:
 
     Raises
     ------
-    ShapeError
+    ShapeError, NotFinite, OutOfLimits
     """
-    array = real_array(name, value)
-    if not np.isfinite(array).all():
-        raise NotFinite(f"{name} holds {array[~np.isfinite(array)].flat[0]}; finite numbers are needed")
-    return array
+    return _bounded(real_array(name, value), lambda at: (f"{name} holds", ""))
 
 
-def vectors(name: str, value: Any, width: int, called: Sequence[str] = ()) -> Array:
+def vectors(name: str, value: Any, width: int, called: Sequence[str] = (), *, largest: float = LARGEST) -> Array:
     """Return `value` as finite float64 (..., width); `called` names what the numbers of a row belong to.
 
     Raises
     ------
-    ShapeError
-        The wrong last axis, no numbers, NaN or infinity: says where.
+    ShapeError, NotFinite, OutOfLimits
+        The wrong last axis, no numbers; NaN or infinity; a number beyond the `largest`: says where.
     """
     array = real_array(name, value)
     if array.shape[-1:] != (width,):
         raise ShapeError(f"{name} has shape {array.shape}; (..., {width}) is needed")
-    if not np.isfinite(array).all():
-        *row, k = (int(i) for i in np.argwhere(~np.isfinite(array))[0])
-        owner = f" ({called[k]})" if called else ""
-        place = f" in row {tuple(row)}" if row else ""
-        raise NotFinite(f"{name}[{k}]{owner} is {array[(*row, k)]}{place}; finite numbers are needed")
-    return array
+
+    def place(at: tuple[int, ...]) -> tuple[str, str]:
+        *row, k = at
+        return f"{name}[{k}]{f' ({called[k]})' if called else ''} is", f" in row {tuple(row)}" if row else ""
+
+    return _bounded(array, place, largest=largest)
 
 
 def angles(name: str, value: Any, width: int, called: Sequence[str] = ()) -> Array:
-    """Return `value` as float64 (..., width) like `vectors`, of numbers up to `REVOLUTION`.
+    """Return `value` as `vectors` does, of numbers up to `REVOLUTION`; arguments and errors are the same."""
+    return vectors(name, value, width, called, largest=REVOLUTION)
 
-    Raises
-    ------
-    ShapeError, NotFinite
-        As for `vectors`.
-    OutOfLimits
-        A larger number.
-    """
-    array = vectors(name, value, width, called)
-    if not (np.abs(array) <= REVOLUTION).all():
-        *row, k = (int(i) for i in np.argwhere(np.abs(array) > REVOLUTION)[0])
-        owner = f" ({called[k]})" if called else ""
-        raise OutOfLimits(
-            f"{name}[{k}]{owner} is {array[(*row, k)]:g}: beyond {REVOLUTION:g} whole turns can no longer be told apart"
-        )
-    return array
+
+def too_large(largest: float) -> str:
+    """Why a number beyond a bound is refused."""
+    return "whole turns can no longer be told apart" if largest == REVOLUTION else "products of it overflow"
+
+
+def _bounded(
+    array: Array,
+    place: Callable[[tuple[int, ...]], tuple[str, str]],
+    wanted: str = "finite numbers are needed",
+    largest: float = LARGEST,
+) -> Array:
+    """The array, if it is finite and no number exceeds the largest; `place(index)`: what stands before and after it."""
+    with np.errstate(invalid="ignore"):
+        fine = np.abs(array) <= largest
+    if fine.all():
+        return array
+    finite_ones = np.isfinite(array)
+    if not finite_ones.all():
+        at = tuple(int(i) for i in np.argwhere(~finite_ones)[0])
+        before, after = place(at)
+        raise NotFinite(f"{before} {array[at]}{after}; {wanted}")
+    at = tuple(int(i) for i in np.argwhere(~fine)[0])
+    before, after = place(at)
+    raise OutOfLimits(f"{before} {array[at]:g}{after}: beyond {largest:g} {too_large(largest)}; give less")
 
 
 def whole_number(name: str, value: Any, *, least: int = 0) -> int:

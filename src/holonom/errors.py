@@ -20,6 +20,7 @@ HolonomError
     ├── MotionError           a motion that cannot be made: out of reach, limits, singular
     ├── ProgramFault          a run-time error of an ARPS program, with its line
     │   └── RunawayProgram    a loop that neither moves nor waits
+    ├── ContactFault          something was pressed harder than the cell allows
     ├── DriveFault            a following error, an encoder or a drive fault
     ├── LevelFault            a level of a controller that is late, silent or sends what cannot be followed
     └── OutputFault           a disk that is full, or gone, while a run writes
@@ -35,6 +36,7 @@ from collections.abc import Iterable
 __all__ = [
     "CalibrationError",
     "CellError",
+    "ContactFault",
     "DriveFault",
     "HolonomError",
     "ImageError",
@@ -158,6 +160,10 @@ class ProgramFault(RunError):
 
 class RunawayProgram(ProgramFault):
     """A program that loops without a motion or a wait."""
+
+
+class ContactFault(RunError):
+    """A robot that pressed on something harder than its cell allows."""
 
 
 class DriveFault(RunError):

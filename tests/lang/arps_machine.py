@@ -12,7 +12,10 @@ from holonom.lang import Motion, Part, Program, Status, VmState, compile_program
 
 @dataclass
 class FakeMachine:
-    """Each motion takes `motion_ticks`; at most `depth` motions wait or run; the hand takes `hand_ticks`."""
+    """Each motion takes `motion_ticks`; at most `depth` motions wait or run; the hand takes `hand_ticks`.
+
+    Measured joints lag behind the commanded ones by `sag`; the joints `slides` slide.
+    """
 
     motion_ticks: int = 0
     depth: int = 2
@@ -28,6 +31,8 @@ class FakeMachine:
     ticks: int = 0
     target: np.ndarray = field(default_factory=lambda: np.eye(4))
     arm: np.ndarray = field(default_factory=lambda: np.zeros(6))
+    sag: float = 0.0
+    slides: tuple[int, ...] = ()
     located: int = 0
 
     def tick(self) -> None:
@@ -85,8 +90,14 @@ class FakeMachine:
     def destination(self) -> np.ndarray:
         return self.target.copy()
 
+    def turns(self) -> tuple[bool, ...]:
+        return tuple(k not in self.slides for k in range(len(self.arm)))
+
+    def goal(self) -> np.ndarray:
+        return self.arm.copy()
+
     def joints(self) -> np.ndarray:
-        return self.arm
+        return self.arm - self.sag
 
     def pose(self) -> np.ndarray:
         return np.full((4, 4), 7.0)

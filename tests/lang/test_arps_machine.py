@@ -194,7 +194,7 @@ def test_program_is_frozen() -> None:
     assert repr(program) == before
 
 
-SAMPLES = {"real": "1", "string": '"1"', "location": "p", "target": "p", "new location": "p"}
+SAMPLES = {"real": "1", "string": '"1"', "location": "p", "target": "p", "new location": "p", "variable": "p"}
 
 
 @pytest.mark.parametrize("name", INSTRUCTIONS)
@@ -213,6 +213,7 @@ def test_every_function_of_the_table_gives_what_it_says(name: str) -> None:
     function = FUNCTIONS[name]
     points = iter(("NULL", "TRANS(1)", "TRANS(0, 1)", "NULL"))
     values = [next(points) if p.kind == "location" else SAMPLES[p.kind] for p in function.parameters]
+    values *= 6 if name == "#PPOINT" else 1
     call = f"{name}({', '.join(values)})" if values else name
     use = {"real": "TYPE {}", "string": "TYPE {}", "location": "MOVE {}", "joints": "MOVE {}"}[function.result]
     machine, _ = run("TIMER 1 = 0\nVPICTURE\n" + use.format(call))

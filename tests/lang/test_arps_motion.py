@@ -139,9 +139,36 @@ def test_parts_are_located_in_the_frame_of_the_program() -> None:
     assert machine.motions[0].pose == pytest.approx(T)
 
 
-def test_here_asks_the_arm_while_it_moves() -> None:
-    machine, _ = run("MOVE NULL\nHERE a\nTYPE DX(a)", FakeMachine(motion_ticks=5))
-    assert machine.said == [("7000", 4)]
+def test_here_is_commanded_and_where_is_measured() -> None:
+    """The machine measures x = 7 m, and joints 0.01 rad below the commanded ones, moving or not."""
+    source = "MOVE TRANS(100)\nHERE a\nWHERE b\nSET c = WHERE\nBREAK\nSET d = HERE\nSET e = WHERE"
+    machine, _ = run(source + '\nTYPE DX(a)," ",DX(b)," ",DX(c)," ",DX(d)," ",DX(e)', FakeMachine(motion_ticks=5))
+    assert machine.said == [("100 7000 7000 100 7000", 9)]
+    source = "MOVE #PPOINT(10, 0, 0, 0, 0, 0)\nHERE #a\nWHERE #b\nSET #c = HERE\nSET #d = WHERE\n"
+    machine, _ = run(source + "MOVE #a\nMOVE #b\nMOVE #c\nMOVE #d", FakeMachine(sag=0.01))
+    assert [float(m.joints[0]) for m in machine.motions] == pytest.approx(
+        np.radians(10) - np.array([0, 0, 0.01, 0, 0.01])
+    )
+
+
+def test_small_steps_do_not_drift() -> None:
+    """DRIVE there and back twenty times; the arm stands 0.01 rad below what it is told: it ends where it began."""
+    machine, _ = run("FOR i = 1 TO 20\nDRIVE 2, 2, 50\nDRIVE 2, -2, 50\nEND", FakeMachine(sag=0.01, motion_ticks=1))
+    assert len(machine.motions) == 40
+    assert np.abs(machine.motions[-1].joints).max() < 1e-12
+
+
+def test_joints_that_slide_are_told_in_mm() -> None:
+    """Joint 3 slides: 250 mm are 0.25 m, wherever a program says so; the others turn."""
+    turns = tuple(k != 2 for k in range(6))
+    locations = read_locations("#a = 90, 0, 250, 0, 0, 0", "x.loc", turns)
+    assert locations["#a"] == pytest.approx([np.pi / 2, 0, 0.25, 0, 0, 0])
+    source = "MOVE #a\nMOVE #PPOINT(0, 0, 100, 0, 0, 180)\nDRIVE 3, -40, 50\nDRIVE 1, 90, 50\nHERE #b\nMOVE #b"
+    program = compile_program(f".PROGRAM m()\n{source}\n.END", "x.arps", locations)
+    joints = [m.joints for m in run(program, FakeMachine(slides=(2,)))[0].motions]
+    assert joints[1] == pytest.approx([0, 0, 0.1, 0, 0, np.pi])
+    assert joints[2] == pytest.approx([0, 0, 0.06, 0, 0, np.pi])
+    assert [*joints[3]] == [*joints[4]] == pytest.approx([np.pi / 2, 0, 0.06, 0, 0, np.pi])
 
 
 @pytest.mark.parametrize(
@@ -154,6 +181,7 @@ def test_here_asks_the_arm_while_it_moves() -> None:
         ("ACCEL 0", "ACCEL is 0"),
         ("DRIVE 7, 10, 50", "no joint 7; this arm has joints 1 to 6"),
         ("DRIVE 1, 10, 0", "the speed of DRIVE is 0"),
+        ("MOVE #PPOINT(1, 2)", "#PPOINT: 2 joint values came; this arm has 6 joints"),
         ("DELAY -1", "DELAY of -1 s"),
         ("MOVE TRANS(20000)", r":3: MOVE: out of reach\n  3 \| MOVE TRANS\(20000\)"),
     ],

@@ -241,8 +241,8 @@ def test_type_formats() -> None:
         ("FOR i = 1 TO 2 STEP 0\nEND", "STEP of 0"),
         ("x = 1.5 BAND 1", "whole numbers of 32 bits"),
         ('$a = "x"\nFOR i = 1 TO 20\n$a = $a + $a\nEND', "the longest is 1024"),
-        ("MOVE TRANS(1E7)", "TRANS: 1e\\+07 is out of range; mm and degrees go up to 1e\\+06"),
-        ("SET p = TRANS(1)\nWHILE TRUE DO\nSET p = p:p\nEND", "e\\+06 is out of range"),
+        ("MOVE TRANS(1E7)", "TRANS: 10000000 is out of range; mm and degrees go up to 1e6"),
+        ("SET p = TRANS(1)\nWHILE TRUE DO\nSET p = p:p\nEND", "1048576 is out of range"),
         ("CALL main", "more than 100 deep"),
         ("x = TIMER(1)", "timer 1 was never started"),
         ("$a = $CHR(200)", "from 0 to 127"),
@@ -287,3 +287,68 @@ TYPE VFEATURE(1), DX(c)
 def test_feature_without_a_part() -> None:
     with pytest.raises(ProgramFault, match=r"VFEATURE: no part was located"):
         run("x = VFEATURE(6)")
+
+
+def test_a_first_value_is_given_once_to_local_and_each_time_to_auto() -> None:
+    source = """.PROGRAM m()
+CALL c()
+CALL c()
+.END
+.PROGRAM c()
+LOCAL n = 10, $s = "x", p = TRANS(1, 2), #q = #PPOINT(1, 2, 3, 4, 5, 6)
+AUTO k = n
+n = n + 1
+k = k + 100
+$s = $s + "y"
+SET p = SHIFT(p BY 1)
+MOVE #q
+TYPE n, " ", k, " ", $s, " ", DX(p), " ", DY(p)
+.END
+"""
+    assert said(source) == ["11 110 xy 2 2", "12 111 xyy 3 2"]
+    with pytest.raises(ProgramError, match=r"a\[\] is a whole array"):
+        said("LOCAL a[] = 1")
+    with pytest.raises(ProgramError, match="expected a string, got a number"):
+        said("LOCAL $a = 1")
+
+
+def test_defined() -> None:
+    source = """TYPE DEFINED(n), DEFINED($s), DEFINED(#p), DEFINED(a[3]), DEFINED(a[])
+n = 0
+$s = ""
+a[3] = 1
+SET p = NULL
+TYPE DEFINED(n), DEFINED($s), DEFINED(a[2]), DEFINED(a[3]), DEFINED(a[]), DEFINED(p)
+"""
+    assert said(source) == ["00000", "-1-10-1-1-1"]
+    with pytest.raises(ProgramError, match="expected the name of a variable"):
+        said("TYPE DEFINED(1 + 1)")
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        ("123456789", "123456789"),
+        ("2 ^ 53", "9007199254740992"),
+        ("-1234567", "-1234567"),
+        ("1E20", "1e+20"),
+        ("123456.789", "123456.789"),
+        ("1/3", "0.333333"),
+        ("0.1 + 0.2", "0.3"),
+        ("-0.0 * 1", "0"),
+        ("0.000012345678", "1.23457e-05"),
+    ],
+)
+def test_numbers_in_the_free_format_keep_their_digits(value: str, text: str) -> None:
+    assert said(f"TYPE {value}") == [text]
+
+
+def test_a_deep_chain_of_calls_shows_its_ends() -> None:
+    """Two programs that call each other 100 deep: both ends, and how many calls are between."""
+    with pytest.raises(ProgramFault) as caught:
+        said(".PROGRAM a()\nx = 1\nCALL b()\n.END\n.PROGRAM b()\nCALL a()\n.END")
+    lines = str(caught.value).splitlines()
+    calls = [line.strip() for line in lines if "call" in line and "|" not in line][1:]
+    assert calls[4] == "... 91 more calls ..."
+    assert len(calls) == 9
+    assert calls[-2:] == ["called from line 6", "called from line 3"]

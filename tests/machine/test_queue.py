@@ -12,6 +12,7 @@ from holonom.errors import LevelFault
 from holonom.lang import Configuration, Motion
 from holonom.machine import Levels, LineSettings
 from holonom.machine.arm.queue import MotionQueue
+from holonom.mechanics.motion import Trajectory
 
 ARM = load_arm("puma560")
 HOME = np.array(ARM.model.poses["nominal"])
@@ -62,7 +63,9 @@ def test_a_supervisor_that_sends_nonsense_is_named() -> None:
     queue.move(motion(HOME + 0.4), idle=True)
     for _ in range(30):
         queue.take(10)
-    queue.planned.q[queue._used + 100 :] = np.nan
+    q = queue.planned.q.copy()
+    q[queue._used + 100 :] = np.nan
+    queue.planned = Trajectory(queue.planned.dt, q, queue.planned.qd, queue.planned.qdd)
     with pytest.raises(LevelFault, match=r"the supervisor sent .*not finite"):
         exhaust(queue)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from holonom.errors import DriveFault, LevelFault, MotionError, ProgramFault, RunError
+from holonom.errors import ContactFault, DriveFault, LevelFault, MotionError, ProgramFault, RunError
 from holonom.machine.supervisor import StopCategory, Supervision, Supervisor
 
 
@@ -27,6 +27,7 @@ class Robot:
     ("fault", "category"),
     [
         (DriveFault("x"), StopCategory.ZERO_SPEED),
+        (ContactFault("x"), StopCategory.ZERO_SPEED),
         (LevelFault("x"), StopCategory.ZERO_SPEED),
         (MotionError("x"), StopCategory.ON_PATH),
         (ProgramFault("x"), StopCategory.ON_PATH),

@@ -21,6 +21,10 @@ class Limits:
     def names(self) -> tuple[str, ...]:
         return tuple(f"joint {k + 1}" for k in range(len(self.lower)))
 
+    @property
+    def turns(self) -> tuple[bool, ...]:
+        return (False,) * min(3, len(self.lower)) + (True,) * max(0, len(self.lower) - 3)
+
 
 def limits_of(n: int, *, reach: float = 10.0, speed: float = 3.0, acceleration: float = 20.0) -> Limits:
     one = np.ones(n)

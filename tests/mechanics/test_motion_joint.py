@@ -75,7 +75,7 @@ def test_no_way_is_one_sample_at_rest() -> None:
 
 
 def test_a_goal_outside_its_limits_names_joint_value_and_limit() -> None:
-    with pytest.raises(OutOfLimits, match=r"joint 2 is to go to 10\.5; its limits are -10 to 10"):
+    with pytest.raises(OutOfLimits, match=r"joint 2 is to go to 10\.5 m; its limits are -10 to 10"):
         plan_joint([0.0, 0.0], [1.0, 10.5], limits_of(2))
 
 

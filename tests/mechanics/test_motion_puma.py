@@ -63,7 +63,7 @@ def test_a_joint_motion_blends_into_a_line(puma: Arm) -> None:
     ("shift", "words"),
     [
         ([-2.0, 0.0, 0.0], "out of the arm's reach"),
-        ([-0.5, 0.0, 0.0], r"elbow would go to -3\.92\d*; its limits are -3\.92699 to 0\.785398"),
+        ([-0.5, 0.0, 0.0], r"elbow would go to -3\.92\d* rad \(-225\.\d+ deg\); its limits are -3\.92699 to 0\.785398"),
     ],
 )
 def test_what_cannot_be_followed_says_where_and_why(puma: Arm, shift: list[float], words: str) -> None:

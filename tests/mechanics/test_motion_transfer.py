@@ -65,7 +65,7 @@ def test_bad_input() -> None:
     with pytest.raises(MotionError, match="needs acceleration 9; its limit is 8"):
         plan_transfer(rest, (np.zeros(3), np.zeros(3), np.full(3, 9.0)), LIMITS, jerk=1.0)
     near = limits_of(3, reach=0.5, speed=2.0, acceleration=8.0)
-    with pytest.raises(MotionError, match=r"joint 2 would go to 0\.5\d* on the way; its limits are -0.5 to 0.5"):
+    with pytest.raises(MotionError, match=r"joint 2 would go to 0\.5\d* m on the way; its limits are -0.5 to 0.5"):
         plan_transfer((np.array([0.0, 0.49, 0.0]), np.array([0.0, 1.0, 0.0])), rest, near, jerk=JERK)
 
 

@@ -11,23 +11,24 @@ from holonom.errors import InputError
 __all__ = ["check_file", "check_program"]
 
 
-def check_file(path: Path, *, allow_outside: bool = False) -> Answer:
+def check_file(path: Path, *, quiet: bool = True, allow_outside: bool = False) -> Answer:
     """Check a program (.arps) by compiling it, or a cell by also planning every motion that it asks for.
 
-    `allow_outside`: what a cell names may lie outside of its folder; so may the location file beside a program.
+    A check that takes longer than a moment shows how far it is, unless it is to be `quiet`. `allow_outside`: what a
+    cell names may lie outside of its folder; so may the location file beside a program.
 
     Raises
     ------
     InputError
         All that was found, a line each with file and line. A file of another type.
     """
-    check = _CHECKS.get(path.suffix.lower())
-    if check is None:
+    kind = path.suffix.lower()
+    if kind not in _CHECKS:
         raise InputError(
             f"{path}: {_what_came(path)}; holonom check takes a program (.arps) or a cell file (.toml). "
             "A robot description (.urdf, .xacro) is checked when it is loaded: holonom.load_arm(path)"
         )
-    return check(path, allow_outside)
+    return _CHECKS[kind](path, quiet, allow_outside)
 
 
 def check_program(path: Path, allow_outside: bool = False) -> Answer:
@@ -56,10 +57,15 @@ def _what_came(path: Path) -> str:
     return f"a file of type {path.suffix!r}" if path.suffix else "a file without an ending"
 
 
-def _cell(path: Path, allow_outside: bool) -> Answer:
+def _program(path: Path, quiet: bool, allow_outside: bool) -> Answer:
+    del quiet  # it takes no time
+    return check_program(path, allow_outside)
+
+
+def _cell(path: Path, quiet: bool, allow_outside: bool) -> Answer:
     from holonom.app.cell.check import check_cell
 
-    return check_cell(path, allow_outside=allow_outside)
+    return check_cell(path, quiet=quiet, allow_outside=allow_outside)
 
 
-_CHECKS: Mapping[str, Callable[[Path, bool], Answer]] = {".arps": check_program, ".toml": _cell}
+_CHECKS: Mapping[str, Callable[[Path, bool, bool], Answer]] = {".arps": _program, ".toml": _cell}

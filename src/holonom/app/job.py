@@ -56,6 +56,8 @@ class ArmJob:
         The arm as its model states it, where the cell keeps below its limits.
     gripper, ground, line
         Its hand, what lies under its tool, what 100 % means on lines.
+    contact_force, settle_time
+        Force (N) above which it is stopped; how long (s) a program waits for it to settle.
     """
 
     name: str
@@ -73,6 +75,8 @@ class ArmJob:
     rated: Arm
     hold: float = 0.0
     steady: bool = False
+    contact_force: float = 150.0
+    settle_time: float = 5.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from typing import Any
+from math import inf
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -23,9 +25,14 @@ from holonom.signals import (
     JointTruth,
     Sink,
 )
-from holonom.sim.arm.world import Fingers
+from holonom.sim.arm.world import Fingers, Surface, World
 
-__all__ = ["SimulatedArm", "SimulatedHand"]
+__all__ = ["Contact", "SimulatedArm", "SimulatedHand"]
+
+INSIDE = 2e-3
+"""m from which the tool of ideal joints is inside a surface."""
+NOWHERE = -1e3
+"""Height, m, of the ground where there is none."""
 
 Frame = Callable[[], Array]
 
@@ -57,6 +64,14 @@ class SimulatedHand:
         return happened
 
 
+class Contact(NamedTuple):
+    """What the tool, or what it holds, presses on: the surface's name, the force (N; None: nobody knows), depth (m)."""
+
+    surface: str
+    force: float | None
+    depth: float
+
+
 class SimulatedArm:
     """What a program moves when there is no hardware: `machine` for the program, `loop` and `fingers` for the rest.
 
@@ -66,9 +81,11 @@ class SimulatedArm:
         The arm with its drives.
     fingers
         Its gripper in the world; None: it has none.
+    world
+        The surfaces that it can press on; without any, the ground that its loop was made with.
     sink
         Where records go.
-    look, ready, line, steady
+    look, ready, line, longest, patience, steady
         See `ArmMachine`.
     signals
         Those of the cell.
@@ -85,12 +102,18 @@ class SimulatedArm:
         look: Callable[[], Sequence[Any]],
         ready: Array,
         line: LineSettings,
+        longest: float = inf,
+        patience: float = inf,
         believed: Frame | None = None,
         true: Frame | None = None,
         steady: bool = False,
         signals: DigitalSignals | None = None,
+        world: World | None = None,
     ) -> None:
         self.loop, self.fingers, self._sink, self._true = loop, fingers, sink, true
+        self._world = world if world is not None and world.surfaces else None
+        self._under: Surface | None = None
+        self._depth = -math.inf
         self.machine = ArmMachine(
             loop.arm,
             loop,
@@ -101,6 +124,8 @@ class SimulatedArm:
             ready=ready,
             line=line,
             levels=loop.settings.levels,
+            longest=longest,
+            patience=patience,
             frame=believed,
             steady=steady,
             signals=signals,
@@ -117,7 +142,30 @@ class SimulatedArm:
         frames: Array = self.loop.arm.frames(self.loop.truth.position)
         return frames if self._true is None else self._true() @ frames
 
+    def contact(self) -> Contact | None:
+        """What it pressed on in the last tick; of ideal joints, in what it is inside."""
+        force, surface = self.loop.pressing, self._under
+        if force is None:
+            return Contact(surface.name, None, self._depth) if surface is not None and self._depth > INSIDE else None
+        if force <= 0.0:
+            return None
+        return Contact(surface.name if surface is not None else "the ground", force, self._depth)
+
+    def _feel(self, tool: Array) -> None:
+        """Let the ground of the plant be what lies under the tool (4, 4), or under what it holds, now."""
+        if self._world is None:
+            return
+        hang = self.fingers.hang * max(-float(tool[2, 2]), 0.0) if self.fingers is not None else 0.0
+        low = tool[:3, 3] - [0.0, 0.0, hang]
+        self._under = self._world.under(low, self._under)
+        height = self._under.height if self._under is not None else NOWHERE
+        self._depth = height - float(low[2])
+        base = 0.0 if self._true is None else float(self._true()[2, 3])
+        self.loop.ground = height + hang - base
+
     def _record(self, reference: Array) -> None:
+        frames = self.frames()
+        self._feel(frames[-1])
         now, measured, truth, put = self.loop.time, self.loop.measured, self.loop.truth, self._sink.put
         put(JointCommand(now, *reference))
         put(JointState(now, measured.position, measured.speed, measured.effort))
@@ -126,11 +174,10 @@ class SimulatedArm:
             put(EncoderCounts(now, measured.counts))
             put(DriveState(now, measured.current, measured.voltage))
             put(DriveTruth(now, truth.current))
-        put(self._poses(now))
+        put(self._poses(now, frames))
 
-    def _poses(self, now: float) -> FramePoses:
+    def _poses(self, now: float, frames: Array) -> FramePoses:
         """World poses of the links, the tool and the fingers."""
-        frames = self.frames()
         tool = frames[-1]
         names = [f"link{k + 1}" for k in range(len(frames) - 2)] + ["tool"]
         poses = [*frames[1:-1], tool]

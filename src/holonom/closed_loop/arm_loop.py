@@ -20,6 +20,10 @@ from holonom.sim.arm.plant import ArmPlant, AxisDrive, Ground
 __all__ = ["ArmLoop", "Measured", "Truth", "drives_of"]
 
 
+_FULL = 0.99
+"""Part of its limit from which a current is at it."""
+
+
 class Measured(NamedTuple):
     """Positions (rad, m), speeds, torques by current (N m, N), currents (A), voltages (V) asked for, counts: (n,)."""
 
@@ -68,6 +72,7 @@ class ArmLoop:
         self.plant = ArmPlant(arm, drives_of(arm), q, ground)
         self.servos.start(q, self.plant.hold, self.plant.signals)
         self._ticks = 0
+        self._pressing = 0.0
 
     @property
     def tick(self) -> float:
@@ -124,6 +129,28 @@ class ArmLoop:
         return self.plant.touch
 
     @property
+    def ground(self) -> float:
+        """Height of what lies under the tool, m, as the arm's base sees it."""
+        return self.plant.ground
+
+    @ground.setter
+    def ground(self, height: float) -> None:
+        self.plant.ground = height
+
+    @property
+    def pressing(self) -> float | None:
+        """Largest force (N) with which the tool pressed on the ground in the last advance."""
+        return self._pressing
+
+    def at_limit(self) -> tuple[str, ...]:
+        """Of each joint whether its measured current is at the limit of its drive, in words."""
+        most, currents = self.servos.axes["speed"]["max_current"], np.abs(self.plant.signals.currents)
+        return tuple(
+            f"its current is at its limit of {limit:g} A" if now >= _FULL * limit else ""
+            for now, limit in zip(currents.tolist(), most.tolist(), strict=True)
+        )
+
+    @property
     def ticks(self) -> int:
         """Reference samples since the start."""
         return self._ticks
@@ -148,6 +175,7 @@ class ArmLoop:
             A law that is not compiled gave no torques.
         """
         reference, law = checked_reference(self.arm, reference), self.servos.law
+        self._pressing = 0.0
         if law is None:
             self._advance(self.servos.mode, reference)
             return
@@ -172,7 +200,7 @@ class ArmLoop:
         OutOfLimits
             Not a whole number of ticks, or a negative one.
         """
-        ticks = whole_number("ticks", ticks)
+        ticks, self._pressing = whole_number("ticks", ticks), 0.0
         self._run(STOP, np.zeros((3, ticks, self.arm.n)))
         self._ticks += ticks
 
@@ -182,7 +210,7 @@ class ArmLoop:
             mode, s.timing, s.clock, p.signals, s.model.address, s.axes, s.states, s.scratch,
             p.kernel.address, STEP, p.axes, p.states, p.work(), np.ascontiguousarray(reference),
         )  # fmt: skip
-        p.touch = max(p.touch, touch)
+        p.touch, self._pressing = max(p.touch, touch), max(self._pressing, touch)
         return code, axis, tick
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -13,6 +15,7 @@ from holonom.control.kernels import axis_violation
 from holonom.machine.arm.servos import ControlSettings
 from holonom.mechanics import Arm
 from holonom.mechanics.motion.trajectory import joint_vector
+from holonom.model import ArmModel
 
 __all__ = ["IdealArm"]
 
@@ -42,15 +45,16 @@ class IdealArm:
         self.payload = np.zeros(4)
         """What the hand holds; it weighs nothing here."""
         self.touch = 0.0
+        self.ground = -math.inf
+        self.pressing: float | None = None
+        """Ideal joints feel no force."""
         self.position: Array = joint_vector("q", q, arm.n).copy()
         """Joints (n,)."""
         self.speed: Array = np.zeros(arm.n)
         self.ticks = 0
         self.worst = {name: np.zeros(arm.n) for name in ("speed", "torque", "current", "voltage", "error", "rms_error")}
         """Largest magnitudes since the start (n,)."""
-        error = settings.following_error
-        limits = zip(arm.limits.lower, arm.limits.upper, arm.limits.speed, strict=True)
-        self._limits = [AxisLimits(low - error, high + error, 2.0 * most, 1.0, error) for low, high, most in limits]
+        self._limits = [_axis_limits(arm.model, i, settings) for i in arm.model.independent]
 
     @property
     def tick(self) -> float:
@@ -93,6 +97,10 @@ class IdealArm:
             error = np.abs(target - self.position)
             self.worst["error"] = np.maximum(self.worst["error"], error)
 
+    def at_limit(self) -> tuple[str, ...]:
+        """No drive of ideal joints is at a limit."""
+        return ("",) * self.arm.n
+
     def brake(self, ticks: int) -> None:
         """Hold zero speed for some ticks.
 
@@ -115,6 +123,12 @@ class IdealArm:
             code = axis_violation(limits.params(), float(target[axis]), here, 0.0, 0.0)
             if code != 0:
                 raise drive_fault(
-                    Violation(code), limits, axis=self.arm.model.joints[axis].name, time=self.time,
+                    Violation(code), limits, axis=self.arm.limits.names[axis], time=self.time,
                     reference=float(target[axis]), position=here, speed=float(self.speed[axis]), current=0.0,
                 )  # fmt: skip
+
+
+def _axis_limits(model: ArmModel, axis: int, settings: ControlSettings) -> AxisLimits:
+    joint, bounds = model.joints[axis], model.limits(axis)
+    error = settings.error_of(joint)
+    return AxisLimits(bounds.lower - error, bounds.upper + error, 2.0 * bounds.speed, 1.0, error, joint.unit)

@@ -25,7 +25,7 @@ class Violation(enum.IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class AxisLimits:
-    """Limits at which an axis is stopped, all in the units of the axis they watch (rad, rad/s; A).
+    """Limits at which an axis is stopped, all in the units of the axis they watch (`unit`: rad or m; A).
 
     `speed` and `current` are trips: set them above the limits to which the cascade clips its references, or
     an ordinary overshoot stops the axis.
@@ -41,6 +41,7 @@ class AxisLimits:
     speed: float
     current: float
     following_error: float
+    unit: str = "rad"
 
     def __post_init__(self) -> None:
         if not self.lower < self.upper:
@@ -79,13 +80,13 @@ def drive_fault(
     reference, position, speed, current
         The values at that moment, in the units of the limits.
     """
-    error = reference - position
+    error, unit = reference - position, limits.unit
     causes = {
         Violation.LOST_REFERENCE: f"lost reference: the commanded position is {reference!r}",
-        Violation.POSITION_LOW: f"position {position:.6g} rad is below its limit {limits.lower:.6g} rad",
-        Violation.POSITION_HIGH: f"position {position:.6g} rad is above its limit {limits.upper:.6g} rad",
-        Violation.FOLLOWING_ERROR: f"following error {error:.6g} exceeds {limits.following_error:.6g} rad",
-        Violation.SPEED: f"speed {speed:.6g} rad/s exceeds {limits.speed:.6g} rad/s",
+        Violation.POSITION_LOW: f"position {position:.6g} {unit} is below its limit {limits.lower:.6g} {unit}",
+        Violation.POSITION_HIGH: f"position {position:.6g} {unit} is above its limit {limits.upper:.6g} {unit}",
+        Violation.FOLLOWING_ERROR: f"following error {error:.6g} exceeds {limits.following_error:.6g} {unit}",
+        Violation.SPEED: f"speed {speed:.6g} {unit}/s exceeds {limits.speed:.6g} {unit}/s",
         Violation.CURRENT: f"current {current:.6g} A exceeds {limits.current:.6g} A",
     }
     advice = "command within the limits, more slowly, or with less load"

@@ -1,7 +1,7 @@
 """Location files: taught locations by name, one in a line.
 
 tray.small = 500, -200, 320, 0, 180, 0     ; x, y, z in mm; o, a, t in degrees (Z-Y-Z)
-#ready     = 0, 90, -90, 0, 0, 0           ; joint values in degrees
+#ready     = 0, 90, -90, 0, 0, 0           ; joint values: degrees, or mm of a joint that slides
 corner[2]  = 100, 0, 0, 0, 180, 0          ; an element of an array
 """
 
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 
 from holonom.errors import ProgramError
 from holonom.files import check_lines
@@ -22,11 +23,14 @@ __all__ = ["read_locations", "split_name"]
 
 _NAME = re.compile(r"#?[A-Za-z_][\w.]*(\[\s*\d{1,5}(\s*,\s*\d{1,5})*\s*\])?")
 _NUMBER = re.compile(r"\s*[+-]?((\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|inf)\s*", re.ASCII)
-_FORM = "write name = x, y, z, o, a, t in mm and degrees, or #name = j1, j2, ... in degrees"
+_FORM = "write name = x, y, z, o, a, t in mm and degrees, or #name = j1, j2, ... in degrees (mm where a joint slides)"
 
 
-def read_locations(text: str, file: str) -> dict[str, Array]:
-    """Return the locations of a file's text by name, in lower case: poses (4, 4) in m, joints (n,) in rad.
+def read_locations(text: str, file: str, turns: Sequence[bool] | None = None) -> dict[str, Array]:
+    """Return the locations of a file's text by name, in lower case: poses (4, 4) in m, joints (n,) in rad or m.
+
+    `turns` says of each joint of the arm whether it turns, and is told in degrees, or slides, and is told in mm; all
+    turn unless it is given.
 
     Raises
     ------
@@ -38,7 +42,7 @@ def read_locations(text: str, file: str) -> dict[str, Array]:
     for number, line in enumerate(text.split("\n"), start=1):
         content = line.partition(";")[0]
         if content.strip():
-            name, value = _read_line(content, _Place(file, number, line))
+            name, value = _read_line(content, _Place(file, number, line), turns)
             if name in found:
                 raise _Place(file, number, line).error(0, f"{name!r} is there twice", "remove one of the two")
             found[name] = value
@@ -65,7 +69,7 @@ class _Place:
         return ProgramError(Diagnostic(self.file, span, text, hint, self.line).render())
 
 
-def _read_line(content: str, place: _Place) -> tuple[str, Array]:
+def _read_line(content: str, place: _Place, turns: Sequence[bool] | None) -> tuple[str, Array]:
     head, equals, tail = content.partition("=")
     start = len(head) - len(head.lstrip())
     name = re.sub(r"\s", "", head).lower()
@@ -78,7 +82,7 @@ def _read_line(content: str, place: _Place) -> tuple[str, Array]:
         raise place.error(start, f"{stem} is a word of the language", "choose another name", len(stem))
     values = _numbers(tail, len(head) + 1, place)
     if name.startswith("#"):
-        return name, poses.precision_point(values)
+        return name, poses.precision_point(values, turns)
     if len(values) != 6:
         hint = "a location is x, y, z, o, a, t; joint values belong to a name that begins with #"
         raise place.error(len(head) + 1, f"a location has 6 values, this has {len(values)}", hint, len(tail))

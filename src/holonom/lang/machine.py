@@ -110,14 +110,20 @@ class Machine(Protocol):
     def locate(self, kind: str) -> Part | None:
         """Return the next part of this kind ("" for any) of the last picture that was not yet located."""
 
+    def turns(self) -> tuple[bool, ...]:
+        """Return of each joint whether it turns; the others slide."""
+
     def destination(self) -> Array:
         """Return T_wt (4, 4) where the last commanded motion ends."""
 
+    def goal(self) -> Array:
+        """Return the joint values (n,), rad or m, where the last commanded motion ends."""
+
     def joints(self) -> Array:
-        """Return the present joint values (n,), rad or m."""
+        """Return the measured joint values (n,), rad or m."""
 
     def pose(self) -> Array:
-        """Return the present T_wt (4, 4)."""
+        """Return T_wt (4, 4) by the measured joint values."""
 
     def ready_joints(self) -> Array:
         """Return the joint values (n,) of the READY position."""

@@ -13,8 +13,9 @@ import numpy as np
 
 from holonom.errors import ProgramFault
 from holonom.lang.machine import Array
+from holonom.lang.vm.formats import shown
 
-__all__ = ["angles", "compound", "frame", "precision_point", "shift", "transformation"]
+__all__ = ["angles", "compound", "frame", "joint_unit", "precision_point", "shift", "transformation"]
 
 _MM = 1e-3
 _FARTHEST = 1e6
@@ -83,16 +84,26 @@ def frame(origin: Array, on_x: Array, near_y: Array, placed: Array) -> Array:
     return result
 
 
-def precision_point(values: Sequence[float]) -> Array:
-    """Return joint values (n,) in rad of values in degrees."""
-    return np.deg2rad(np.array(_checked(values), dtype=np.float64))
+def precision_point(values: Sequence[float], turns: Sequence[bool] | None = None) -> Array:
+    """Return joint values (n,) in rad or m of values in degrees or mm.
+
+    `turns` says of each joint whether it turns, and is told in degrees, or slides, and is told in mm; all turn unless
+    it is given. What it does not reach is taken for angles: it does not fit the arm, which is told where it is used.
+    """
+    given = np.array(_checked(values), dtype=np.float64)
+    return given * np.array([joint_unit(turns is None or k >= len(turns) or turns[k]) for k in range(len(given))])
+
+
+def joint_unit(turns: bool) -> float:
+    """Return what one degree of a joint that turns, or one mm of one that slides, is in rad or m."""
+    return math.radians(1.0) if turns else _MM
 
 
 def _checked(values: Sequence[float] | Array) -> Sequence[float] | Array:
     """Return mm or degrees as they are; `ProgramFault` beyond what arithmetic on poses can bear."""
     for value in values:
         if not abs(value) <= _FARTHEST:
-            raise ProgramFault(f"{value:g} is out of range; mm and degrees go up to {_FARTHEST:g}")
+            raise ProgramFault(f"{shown(value)} is out of range; mm and degrees go up to 1e6")
     return values
 
 

@@ -33,6 +33,9 @@ class ArmDrives(Protocol):
     def brake(self, ticks: int) -> None:
         """Hold zero speed for some ticks, whatever the reference was."""
 
+    def at_limit(self) -> tuple[str, ...]:
+        """Return for each joint which limit of its drive it is at, in words; "" where at none."""
+
 
 class Hand(Protocol):
     """A hand and what it holds."""

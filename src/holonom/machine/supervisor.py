@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from enum import Enum, IntEnum
 from typing import Protocol
 
-from holonom.errors import DriveFault, LevelFault, MotionError, ProgramFault, RunError
+from holonom.errors import ContactFault, DriveFault, LevelFault, MotionError, ProgramFault, RunError
 
 __all__ = ["CATEGORIES", "OPERATOR", "StopCategory", "Stoppable", "Supervision", "Supervisor"]
 
@@ -23,6 +23,7 @@ class StopCategory(IntEnum):
 
 
 CATEGORIES: Mapping[type[RunError], StopCategory] = {
+    ContactFault: StopCategory.ZERO_SPEED,
     DriveFault: StopCategory.ZERO_SPEED,
     LevelFault: StopCategory.ZERO_SPEED,
     MotionError: StopCategory.ON_PATH,

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.arrays import REVOLUTION, real_array
-from holonom.errors import InputError, NotFinite, OutOfLimits, ShapeError
+from holonom.errors import InputError, ShapeError
+from holonom.trace.call.refusals import name_inputs, name_results
 from holonom.trace.call.threads import check_threads
 from holonom.trace.line.columns import Columns, columns_of
 from holonom.trace.line.graph import Graph, Scalar, live_nodes, turning_inputs
@@ -286,8 +287,8 @@ class Kernel:
         if fine is None:
             fine = self._batch.run((*rows, *results), count, threads)
         if count and not fine:
-            self._name_bad(rows, lead)
-            self._name_result(results, lead)
+            name_inputs(self.inputs, rows, lead)
+            name_results(self.name, self.outputs, results, lead)
         return self.result(*results)
 
     def _one_by_one(self, rows: Sequence[Array], results: Sequence[Array], count: int) -> bool | None:
@@ -334,36 +335,6 @@ class Kernel:
                     f"out= for {f.name} must be a writeable C-contiguous {dtype} array of shape {(*lead, *shape)}, "
                     f"aligned in memory; {came} came"
                 )
-
-    def _name_bad(self, rows: Sequence[Array], lead: tuple[int, ...]) -> None:
-        for f, a in zip(self.inputs, rows, strict=True):
-            bad = np.argwhere(~np.isfinite(a))
-            if bad.size:
-                row, slot = bad[0]
-                raise NotFinite(f"{f.name}[{slot}] is {a[row, slot]}{_place(row, lead)}; finite numbers are needed")
-            with np.errstate(over="ignore"):
-                far = np.argwhere(~(np.sum(a * a, axis=1) <= f.bound**2))
-            if far.size:
-                row = far[0, 0]
-                slot = int(np.argmax(np.abs(a[row])))
-                why = "whole turns can no longer be told apart" if f.bound == REVOLUTION else "products of it overflow"
-                raise OutOfLimits(
-                    f"{f.name}[{slot}] is {a[row, slot]:g}{_place(row, lead)}: beyond {f.bound:g} {why}; give less"
-                )
-
-    def _name_result(self, results: Sequence[Array], lead: tuple[int, ...]) -> None:
-        for f, a in zip(self.outputs, results, strict=True):
-            bad = np.argwhere(~np.isfinite(a.reshape(-1, f.width))) if f.checked else np.empty((0, 2))
-            if len(bad):
-                row, slot = bad[0]
-                raise NotFinite(
-                    f"{f.name}[{slot}] of {self.name} would be {a.reshape(-1, f.width)[row, slot]}"
-                    f"{_place(row, lead)}: it is not defined for these inputs, where the equation divides by 0"
-                )
-
-
-def _place(row: int, lead: tuple[int, ...]) -> str:
-    return f" in row {tuple(int(k) for k in np.unravel_index(row, lead))}" if lead else ""
 
 
 CALL = """

@@ -11,6 +11,7 @@ from holonom.app.cell.build.job import build_job
 from holonom.app.cell.load import load_cell
 from holonom.app.cell.rehearse import rehearse
 from holonom.app.console.answer import Answer
+from holonom.app.console.progress import Progress
 from holonom.app.job import ArmJob, BaseJob, Job
 from holonom.errors import InputError, ProgramError
 
@@ -28,8 +29,10 @@ class _Said:
     wrong: list[str] = field(default_factory=list)
 
 
-def check_cell(path: Path, *, allow_outside: bool = False) -> Answer:
+def check_cell(path: Path, *, quiet: bool = True, allow_outside: bool = False) -> Answer:
     """Check a cell by building all of it, planning every motion and looking at what its paths ask for.
+
+    What takes longer than a moment shows how far it is, unless it is to be `quiet`.
 
     Returns
     -------
@@ -43,7 +46,7 @@ def check_cell(path: Path, *, allow_outside: bool = False) -> Answer:
         would leave, and programs that fail or do not end.
     """
     job = build_job(load_cell(path, allow_outside=allow_outside), path)
-    robots = [*(_arm(job, arm) for arm in job.arms), *(_base(job, base) for base in job.bases)]
+    robots = [*(_arm(job, arm, quiet) for arm in job.arms), *(_base(job, base) for base in job.bases)]
     wrong = [*job.unreachable, *(line for robot in robots for line in robot.wrong)]
     if wrong:
         raise ProgramError("\n".join(wrong))
@@ -80,15 +83,16 @@ def _data(path: Path, job: Job, robots: list[_Said]) -> dict[str, Any]:
     return found | {"robots": [robot.data for robot in robots], "estimated_time_s": max(times)}
 
 
-def _arm(job: Job, arm: ArmJob) -> _Said:
+def _arm(job: Job, arm: ArmJob, quiet: bool) -> _Said:
     data: dict[str, Any] = {"name": arm.name, "kind": "arm", "drives": arm.drives}
     if arm.program is None:
         return _Said("no program; the arm stands", {**data, "motions": 0, "estimated_time_s": 0.0})
-    done = rehearse(job, arm)
+    with Progress(f"checking {arm.name or job.name}", None, quiet=quiet) as progress:
+        done = rehearse(job, arm, progress=progress)
     machine = done.machine
     text = f"{machine.moved} motions planned, at most about {machine.time():.1f} s (all from rest)"
     data |= {"motions": machine.moved, "estimated_time_s": machine.time()}
-    warnings = [warning.render() for warning in arm.program.warnings]
+    warnings = [*(warning.render() for warning in arm.program.warnings), *done.warnings(arm.program)]
     notes = [f"{arm.name or arm.arm.model.name}: {note}" for note in done.notes]
     return _Said(text, data, warnings, notes, [*done.problems(arm.program), *done.failures])
 

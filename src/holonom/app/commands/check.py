@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from holonom.app.console.answer import Answer
-from holonom.app.console.options import allow_outside, argument
+from holonom.app.console.options import allow_outside, argument, quiet
 from holonom.registry import OWN, Method
 
 __all__ = ["COMMAND", "Options", "run"]
@@ -18,13 +18,14 @@ class Options:
 
     file: Path = argument("cell file (.toml) or program (.arps)", metavar="FILE")
     allow_outside: bool = allow_outside()
+    quiet: bool = quiet()
 
 
 def run(options: Options) -> Answer:
     """Check a file; raises as `check_file` does."""
     from holonom.app.check import check_file
 
-    return check_file(options.file, allow_outside=options.allow_outside)
+    return check_file(options.file, quiet=options.quiet, allow_outside=options.allow_outside)
 
 
 COMMAND = Method("check a cell or an ARPS program off-line, without running it", run, OWN, Options)

@@ -35,6 +35,7 @@ DIMENSIONS: Mapping[str, Mapping[str, float]] = {
     "current": {"A": 1.0, "mA": 1e-3},
     "resistance": {"ohm": 1.0, "mohm": 1e-3},
     "inductance": {"mH": 1e-3, "uH": 1e-6, "H": 1.0},
+    "force": {"N": 1.0, "kN": 1e3},
     "torque": {"mNm": 1e-3, "Nm": 1.0},
     "torque constant": {"mNm/A": 1e-3, "Nm/A": 1.0},
     "voltage constant": {"mVs/rad": 1e-3, "Vs/rad": 1.0},

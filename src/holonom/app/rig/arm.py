@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
 
 from holonom.app.job import ArmJob
+from holonom.app.rig.watch import Watch
 from holonom.arrays import Array
 from holonom.closed_loop import ArmLoop, IdealArm, SimulatedArm
 from holonom.closed_loop.arm import Frame
+from holonom.errors import ContactFault
 from holonom.lang import Status, start, step
 from holonom.machine import ControlSettings
 from holonom.machine.digital import DigitalSignals
@@ -50,6 +53,8 @@ class ArmRig:
         What its hand can touch, where its records go, the cell's signals.
     seed
         Of the program's random numbers.
+    longest
+        Longest time that one of its motions may take, s.
     believed, true
         T (4, 4) of its base where another robot carries it.
     """
@@ -63,6 +68,7 @@ class ArmRig:
         signals: DigitalSignals,
         *,
         seed: int,
+        longest: float = inf,
         believed: Frame | None = None,
         true: Frame | None = None,
     ) -> None:
@@ -75,18 +81,22 @@ class ArmRig:
             look=lambda: job.look,
             ready=job.home,
             line=job.line,
+            longest=longest,
             believed=believed,
             true=true,
             steady=job.steady,
             signals=signals,
+            world=world,
+            patience=job.settle_time,
         )
+        self._watch = Watch(self.arm, job.contact_force, lambda source, text: self.log("warning", source, text))
         self.machine = self.arm.machine
         self._state = None
         self._status = Status.HALTED
         if job.program is not None:
             self._state = start(job.program, entry=job.entry, rng=np.random.default_rng(seed))
             self._status = Status.RUNNING
-        self._line = 0
+        self._line, self._stopping = 0, False
 
     @property
     def done(self) -> bool:
@@ -121,12 +131,15 @@ class ArmRig:
             self.machine.log("debug", "program", text, self._line)
 
     def advance(self, ticks: int) -> None:
-        """Advance by some ticks; faults as `ArmMachine.advance`."""
+        """Advance by some ticks; faults as `ArmMachine.advance`, and `ContactFault`."""
         for _ in range(ticks):
             self.machine.advance()
+            if not self._stopping:
+                self._watch.look()
 
     def begin_stop(self, category: StopCategory) -> None:
         """Stop from the next tick on: along the path, or with the drives at zero speed."""
+        self._stopping = True
         if category is StopCategory.ON_PATH:
             self.machine.begin_halt()
         else:
@@ -135,17 +148,25 @@ class ArmRig:
     def explain(self, fault: Exception) -> str:
         """Word a fault, with the program line whose motion it stopped, or at which it stood."""
         program, line = self.job.program, self.machine.active_line
+        if line == 0:
+            line = self.machine.last_line if isinstance(fault, ContactFault) else self._waits_at
         if program is None or line == 0 or str(fault).startswith(f"{program.file}:"):
             return str(fault)
         return f"{program.file}:{line}: {fault}\n  {line} | {program.source(line)}"
+
+    @property
+    def _waits_at(self) -> int:
+        """The program's line at which it waits for the arm, 0 where it does not."""
+        return self._state.line if self._state is not None and self._status is Status.WAITING else 0
 
     def log(self, level: str, source: str, text: str) -> None:
         """Record an event of it."""
         self.machine.log(level, source, text, self.machine.active_line)
 
     def where(self) -> str:
-        """The program line that is under way, as a place in its file; "" without one."""
+        """The program line that is under way, as a place in its file, and what it waits for; "" without one."""
         program, state = self.job.program, self._state
         if program is None or state is None:
             return ""
-        return f"{program.file}:{state.line}: {program.source(state.line).strip()}"
+        waits = self.machine.unsettled()
+        return f"{program.file}:{state.line}: {program.source(state.line).strip()}{f' ({waits})' if waits else ''}"

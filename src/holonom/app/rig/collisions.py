@@ -9,18 +9,15 @@ from typing import NamedTuple
 
 import numpy as np
 
+from holonom.app.cell.surroundings import link_points
 from holonom.app.job import Obstacle
 from holonom.app.rig.arm import ArmRig
 from holonom.app.rig.base import BaseRig
 from holonom.app.rig.robot import RobotRig
-from holonom.arrays import Array
 from holonom.geometry import distance
 from holonom.spatial import inverse
 
 __all__ = ["Collisions", "Hit"]
-
-POINTS = 12
-"""Points of each link that are looked at."""
 
 
 class Hit(NamedTuple):
@@ -54,7 +51,7 @@ class Collisions:
                 if low < base.job.base.com_height + 0.1 and distance(obstacle.shape, here[:3]) < _reach(base):
                     return Hit(base, f"{'it' if base.name else 'the base'} hit {obstacle.name}")
         for arm in arms:
-            points = _points(arm)
+            points = link_points(arm.arm.frames())
             for obstacle, T in self._obstacles:
                 if (distance(obstacle.shape, points @ T[:3, :3].T + T[:3, 3]) <= 0.0).any():
                     return Hit(arm, f"{'it' if arm.name else 'the arm'} hit {obstacle.name}")
@@ -63,11 +60,3 @@ class Collisions:
 
 def _reach(base: BaseRig) -> float:
     return max(math.hypot(wheel.x, wheel.y) for wheel in base.job.base.wheels)
-
-
-def _points(arm: ArmRig) -> Array:
-    """Points (k, 3) along the lines between an arm's frames, in the world; its own base is not one."""
-    places = arm.arm.frames()[1:, :3, 3]
-    s = np.linspace(0.0, 1.0, POINTS)[:, None, None]
-    found: Array = (places[None, :-1] + s * (places[1:] - places[:-1])[None]).reshape(-1, 3)
-    return found

@@ -20,7 +20,7 @@ from holonom.app.rig.robot import TICK, RobotRig
 from holonom.app.rig.stated import put_stated
 from holonom.arrays import Array
 from holonom.closed_loop import ArmLoop, BaseLoop, IdealArm
-from holonom.errors import MotionError, ProgramFault, RunError
+from holonom.errors import ContactFault, MotionError, ProgramFault, RunError
 from holonom.machine import ControlSettings
 from holonom.machine.digital import DigitalSignals
 from holonom.machine.group import Group
@@ -114,8 +114,9 @@ class Rig:
             believed = Group(carrier.loop.controller, on_base).frame
             true = _carried(carrier, mount)
         return ArmRig(
-            job, loops.arms[job.name], self.world, sink, self.signals, seed=self.job.seed, believed=believed, true=true
-        )
+            job, loops.arms[job.name], self.world, sink, self.signals, seed=self.job.seed, longest=self.job.time_limit,
+            believed=believed, true=true,
+        )  # fmt: skip
 
     @property
     def time(self) -> float:
@@ -170,7 +171,7 @@ class Rig:
         if robot is None:
             self._recorder.put(Event(self.time, "error", "cell", text))
         else:
-            robot.log("error", "program" if isinstance(fault, ProgramFault | MotionError) else "drive", text)
+            robot.log("error", _source_of(fault), text)
         self.supervisor.fail(robot, type(fault)(text), category)
 
     def _done(self) -> bool:
@@ -238,6 +239,13 @@ class Rig:
         numbers = {name: {"contact_force": float(arm.loop.touch)} for name, arm in self.arms.items()}
         numbers |= {name: {"path_driven": base.driven} for name, base in self.bases.items() if base.driven is not None}
         return EndingFacts(str(ended.ending), ended.reason, ended.time, joints, numbers)
+
+
+def _source_of(fault: RunError) -> str:
+    """Whose event a fault of a robot is."""
+    if isinstance(fault, ProgramFault | MotionError):
+        return "program"
+    return "contact" if isinstance(fault, ContactFault) else "drive"
 
 
 def _peak(what: str) -> str:

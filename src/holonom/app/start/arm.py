@@ -76,7 +76,7 @@ class ArmStart:
         return f"; The first program of a file runs. Lengths are mm, angles degrees.\n\n{rows(lines, ';')}"
 
     def _turns(self) -> Iterator[tuple[str, str]]:
-        """Turn the first two joints that turn; one that slides is left to the line, as DRIVE counts in degrees."""
+        """Turn the first two joints that turn; one that slides is left to the line."""
         joints = [(k, i, self.model.joints[i]) for k, i in enumerate(self.model.independent)]
         for k, i, joint in [entry for entry in joints if entry[2].turns][:2]:
             by = math.degrees(_turn(self.model.limits(i), self.home[k]))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from holonom.errors import ProgramError
@@ -15,6 +15,7 @@ from holonom.lang.diagnostics import Node, Span, nearest
 from holonom.lang.locations import read_locations, split_name
 from holonom.lang.machine import Array
 from holonom.lang.program import Global, Program, Routine
+from holonom.lang.words.foreign import foreign_hint
 
 __all__ = ["compile_program", "load_program"]
 
@@ -31,7 +32,7 @@ def compile_program(text: str, file: str = "<program>", locations: Mapping[str, 
     file : str
         Name that messages use.
     locations : mapping of str to array, optional
-        Taught locations: poses (4, 4) in m, and joint values (n,) in rad for names that begin with `#`,
+        Taught locations: poses (4, 4) in m, and joint values (n,) in rad or m for names that begin with `#`,
         as `read_locations` returns them.
 
     Raises
@@ -55,11 +56,18 @@ def compile_program(text: str, file: str = "<program>", locations: Mapping[str, 
     return Program(file, b.lines, routines, names, tuple(b.warnings))
 
 
-def load_program(path: Path | str, locations: Path | str | None = None, *, allow_outside: bool = False) -> Program:
+def load_program(
+    path: Path | str,
+    locations: Path | str | None = None,
+    *,
+    turns: Sequence[bool] | None = None,
+    allow_outside: bool = False,
+) -> Program:
     """Compile a program file with a location file.
 
     `locations` defaults to the file beside the program with the ending `.loc`, if there is one; one that is a link out
-    of the folder is refused, unless `allow_outside`.
+    of the folder is refused, unless `allow_outside`. `turns` says of each joint of the arm whether it turns or slides
+    (see `read_locations`); all turn unless it is given.
 
     Raises
     ------
@@ -71,7 +79,9 @@ def load_program(path: Path | str, locations: Path | str | None = None, *, allow
     taught = Path(locations) if locations is not None else beside if beside.is_file() else None
     if locations is None and taught is not None and not (allow_outside or _is_beside(taught, path)):
         raise ProgramError(f"{taught} is a link that leads out of the program's folder; copy the file into it")
-    found = read_locations(read_text(taught, "locations", ProgramError), str(taught)) if taught is not None else {}
+    found = (
+        read_locations(read_text(taught, "locations", ProgramError), str(taught), turns) if taught is not None else {}
+    )
     return compile_program(read_text(path, "program", ProgramError), str(path), found)
 
 
@@ -182,7 +192,9 @@ def _check_names(b: Builder) -> None:
 def _unknown(b: Builder, symbol: Symbol, where: Span) -> None:
     what = {"location": "location", "joints": "precision point"}.get(symbol.kind or "", "variable")
     known = [s.name for s in b.table.shared.values() if s.written] + [s.name for s in b.own_names if s.written]
-    hint = nearest(symbol.name, known) or (
-        "teach it in the location file or SET it" if what != "variable" else "assign it before it is used"
+    hint = (
+        foreign_hint(symbol.name.upper())
+        or nearest(symbol.name, known)
+        or ("teach it in the location file or SET it" if what != "variable" else "assign it before it is used")
     )
     b.errors.append(b.at(where, f"{what} {symbol.name!r} is never given a value", hint))

@@ -11,6 +11,7 @@ from holonom.lang.compiler.symbols import PLAIN, Symbol, SymbolKind, kind_of_nam
 from holonom.lang.diagnostics import Node, nearest, span_of
 from holonom.lang.vm.formats import FORMATS, check_format
 from holonom.lang.words.builtin import Builtin, Kind
+from holonom.lang.words.foreign import foreign_hint
 from holonom.lang.words.functions import FUNCTIONS, SHIFT
 
 __all__ = ["arguments", "is_variable", "items", "reference", "value", "write"]
@@ -18,11 +19,11 @@ __all__ = ["arguments", "is_variable", "items", "reference", "value", "write"]
 _FITS: dict[str, tuple[str, ...]] = {"target": ("location", "joints"), "text": ("real", "string")}
 
 
-def value(b: Builder, node: Node, wanted: Kind) -> SymbolKind:
+def value(b: Builder, node: Node, wanted: Kind, hint: str = "") -> SymbolKind:
     """Compile an expression that leaves one value of the wanted kind; return the kind it has."""
     kind = _NODES[node.data](b, node, wanted)
     if wanted != "any" and kind != wanted and kind not in _FITS.get(wanted, ()):
-        hint = "locations are given a value with SET" if kind == "location" and wanted == "real" else ""
+        hint = hint or ("locations are given a value with SET" if (kind, wanted) == ("location", "real") else "")
         b.error(node, f"expected {PLAIN[wanted]}, got {PLAIN[kind]}", hint)
     return kind
 
@@ -95,6 +96,8 @@ def arguments(b: Builder, node: Node, builtin: Builtin, where: Node | Token) -> 
     for parameter, argument in zip(expected, given, strict=True):
         if argument is not None and parameter.kind == "new location":
             _written(b, argument)
+        elif argument is not None and parameter.kind == "variable":
+            _itself(b, argument)
         elif argument is not None:
             value(b, argument, parameter.kind)
         elif parameter.default is not None:
@@ -110,6 +113,13 @@ def _written(b: Builder, node: Node) -> None:
         write(b, node, "location")
     else:
         b.error(node, "expected the name of a location variable, which is given a value here")
+
+
+def _itself(b: Builder, node: Node) -> None:
+    if is_variable(node):
+        reference(b, node)
+    else:
+        b.error(node, "expected the name of a variable, or an element of an array")
 
 
 def _name(node: Node) -> str:
@@ -138,6 +148,8 @@ def _variable(b: Builder, node: Node, wanted: Kind) -> SymbolKind:
     symbol, rank = reference(b, node)
     if rank:
         b.error(node, f"{name}[] is a whole array", f"use one element: {name}[index]")
+    if wanted == "any":
+        kind = symbol.kind or kind
     if kind_of_name(name) is None:
         b.note_kind(symbol, kind, node)
     symbol.used = symbol.used or span_of(node)
@@ -177,9 +189,9 @@ def _compound(b: Builder, node: Node, _: Kind) -> SymbolKind:
     return "location"
 
 
-def _here(b: Builder, _: Node, wanted: Kind) -> SymbolKind:
+def _here(b: Builder, node: Node, wanted: Kind) -> SymbolKind:
     joints = wanted == "joints"
-    b.emit("HERE_JOINTS" if joints else "HERE")
+    b.emit("HERE_JOINTS" if joints else "HERE", int(node.children[0].type == "WHERE"))
     return "joints" if joints else "location"
 
 
@@ -203,7 +215,7 @@ def _function(b: Builder, node: Node, _: Kind) -> SymbolKind:
 def _call(b: Builder, node: Node, name: str, given: list[Node]) -> SymbolKind:
     function = FUNCTIONS.get(name.upper())
     if function is None:
-        hint = nearest(name.upper(), FUNCTIONS)
+        hint = foreign_hint(name) or nearest(name.upper(), FUNCTIONS)
         if name.lower() in b.table.shared or name.lower() in b.scope.own:
             hint = f"an element of an array is written {name}[index]"
         elif name.lower() in b.routines:

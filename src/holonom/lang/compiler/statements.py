@@ -8,8 +8,9 @@ from lark import Token
 
 from holonom.lang.compiler.builder import Argument, Builder
 from holonom.lang.compiler.expressions import arguments, is_variable, items, reference, value, write
-from holonom.lang.compiler.symbols import kind_of_name
+from holonom.lang.compiler.symbols import Symbol, kind_of_name
 from holonom.lang.diagnostics import Node, nearest, span_of
+from holonom.lang.words.foreign import foreign_hint
 from holonom.lang.words.instructions import INSTRUCTIONS
 
 __all__ = ["block"]
@@ -52,8 +53,9 @@ def _assign(b: Builder, node: Node) -> None:
     if kind == "joints":
         b.error(variable, "a precision point is given a value with SET", "write SET in front of it")
         return
+    foreign = foreign_hint(str(variable.children[0].children[0])) if kind == "string" else ""
     write(b, variable, kind or "real", "a location is given a value with SET")
-    value(b, expression, kind or "real")
+    value(b, expression, kind or "real", foreign)
     b.emit("ASSIGN")
 
 
@@ -69,13 +71,13 @@ def _set(b: Builder, node: Node) -> None:
 
 
 def _here(b: Builder, node: Node) -> None:
-    variable = node.children[0]
+    word, variable = node.children
     kind = kind_of_name(str(variable.children[0].children[0])) or "location"
     if kind == "string":
-        b.error(variable, "HERE takes a location or a precision point, not a string")
+        b.error(variable, f"{word.upper()} takes a location or a precision point, not a string")
         return
     write(b, variable, kind)
-    b.emit("HERE_JOINTS" if kind == "joints" else "HERE")
+    b.emit("HERE_JOINTS" if kind == "joints" else "HERE", int(word.type == "WHERE"))
     b.emit("ASSIGN")
 
 
@@ -171,14 +173,36 @@ def _return(b: Builder, _: Node) -> None:
 def _local(b: Builder, node: Node) -> None:
     word, *declared = node.children
     for declaration in declared:
-        name, whole = declaration.children
+        name, whole, first = declaration.children
         text, rank = str(name.children[0]), 0 if whole is None else -1
         if text.lower() in b.scope.own:
             b.error(declaration, f"{text!r} is already a name of this program")
-        elif word.type == "AUTO":
-            b.scope.automatic(text, rank)
+            continue
+        if word.type == "AUTO":
+            symbol = b.scope.automatic(text, rank)
         else:
-            b.table.static(text, rank, b.scope, b.routine)
+            symbol = b.table.static(text, rank, b.scope, b.routine)
+        if first is not None:
+            _first_value(b, declaration, symbol, first, once=word.type == "LOCAL")
+
+
+def _first_value(b: Builder, node: Node, symbol: Symbol, first: Node, *, once: bool) -> None:
+    """Give a variable its first value: of LOCAL only where it has none yet."""
+    if symbol.rank:
+        b.error(node, f"{symbol.name}[] is a whole array", "give its elements their values one by one")
+        return
+    past = -1
+    if once:
+        b.emit(f"REF_{symbol.operation}", symbol.slot)
+        b.emit("FUNCTION", ("DEFINED", 1))
+        past = b.emit("JUMP_IF_TRUE")
+    b.emit(f"REF_{symbol.operation}", symbol.slot)
+    kind = value(b, first, symbol.kind or "any")
+    b.note_kind(symbol, kind, node)
+    symbol.written = True
+    b.emit("ASSIGN")
+    if once:
+        b.land(past)
 
 
 def _if(b: Builder, node: Node) -> None:

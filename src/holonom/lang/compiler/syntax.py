@@ -12,6 +12,7 @@ from lark.exceptions import UnexpectedInput
 from holonom.errors import ProgramError
 from holonom.files import check_lines
 from holonom.lang.diagnostics import Diagnostic, Node, Span, nearest, span_of
+from holonom.lang.words.foreign import foreign_hint
 from holonom.lang.words.instructions import INSTRUCTIONS
 from holonom.lang.words.table import SYNTAX_WORDS
 
@@ -32,9 +33,14 @@ WORDS: dict[str, str] = {
 _OPENS = {"_IF": "IF", "_FOR": "FOR", "_WHILE": "WHILE", "_CASE": "CASE", "_DO": "DO"}
 _NAMES = {"TEXT_NAME", "JOINTS_NAME"}
 _ARITHMETIC = {"PLUS", "MINUS", "STAR", "SLASH", "POWER", "MOD", "AND", "OR", "XOR", "BAND", "BOR", "BXOR"}
+_VALUES = {"NAME", "NUMBER", "MINUS", "NOT", "COM", "TIMER", "HERE", "WHERE", "_SHIFT", "_ENCODE"}
 # What is said in one phrase: the terminals that show it, those it covers besides, and the phrase.
 _GROUPS: tuple[tuple[set[str], set[str], str], ...] = (
-    ({"STRING", "LPAR"}, {"NAME", "NUMBER", "MINUS", "NOT", "COM", "TIMER", "_HERE", "_SHIFT", "_ENCODE"}, "a value"),
+    (
+        {"STRING", "LPAR"},
+        _VALUES,
+        "a value",
+    ),
     ({"ACTION"}, {WORDS[w] for w in _STATEMENTS} | {"NAME", "NUMBER", "_NL"}, "an instruction"),
     ({"OR"}, _ARITHMETIC | {"COMPARE"}, "an operator"),
 )
@@ -130,7 +136,9 @@ def _stray_character(error: UnexpectedCharacters, text: str, file: str) -> Diagn
     if found == '"':
         what, hint = "this string does not end in its line", 'close it with "'
     else:
-        what, hint = f"{found!r} has no meaning here", "a comment begins with ;" if found in "/#!%'" else ""
+        first = source.split(maxsplit=1)[0] if source.strip() else ""
+        usual = "a comment begins with ;" if found in "/#!%'" else ""
+        what, hint = f"{found!r} has no meaning here", foreign_hint(first.partition("[")[0]) or usual
     return Diagnostic(file, Span(error.line, error.column, error.column + 1), what, hint, source)
 
 
@@ -142,7 +150,7 @@ def _misplaced(error: UnexpectedInput, text: str, file: str) -> Diagnostic:
     read = parser.parser_state.value_stack
     before = _word_before(read)
     if before is not None and _begins_line(before, text):
-        hint = nearest(before.upper(), _STATEMENTS) or "an assignment is written name = value"
+        hint = foreign_hint(before) or nearest(before.upper(), _STATEMENTS) or "an assignment is written name = value"
         what = f"there is no instruction {str(before)!r}"
         return Diagnostic(file, span_of(before), what, hint, _line(text, before.line or 1))
     span = span_of(token)
@@ -200,6 +208,8 @@ def _unclosed(token: Token, opened: list[Token]) -> str:
 
 def _hint(token: Token, before: Token | None, accepted: set[str]) -> str:
     """Return what to do about it, where that is known."""
+    if foreign := (foreign_hint(token) if token.type == "NAME" else "") or (foreign_hint(before) if before else ""):
+        return foreign
     if token.type in ("_END", "_ELSE", "_ELSEIF", "_UNTIL", "_VALUE", "_ANY") and "ACTION" in accepted:
         return f"no block that {token.upper()} could belong to is open here"
     if token.type in ("EQUAL", "LSQB") and before is not None and before.upper() in WORDS:

@@ -9,6 +9,7 @@ from typing import Any
 
 from holonom.errors import ProgramFault
 from holonom.lang.program import Value
+from holonom.lang.vm.formats import shown
 from holonom.lang.words.functions import TRUE
 
 __all__ = ["BINARY", "UNARY", "finite"]
@@ -25,13 +26,13 @@ def finite(value: Value) -> Value:
 
 def _divide(a: float, b: float) -> float:
     if b == 0.0:
-        raise ProgramFault(f"division by zero: {a:g} / 0")
+        raise ProgramFault(f"division by zero: {shown(a)} / 0")
     return a / b
 
 
 def _modulo(a: float, b: float) -> float:
     if b == 0.0:
-        raise ProgramFault(f"division by zero: {a:g} MOD 0")
+        raise ProgramFault(f"division by zero: {shown(a)} MOD 0")
     return math.fmod(a, b)
 
 
@@ -39,12 +40,12 @@ def _power(a: float, b: float) -> float:
     try:
         return math.pow(a, b)
     except (ValueError, OverflowError):
-        raise ProgramFault(f"{a:g} ^ {b:g} is no number") from None
+        raise ProgramFault(f"{shown(a)} ^ {shown(b)} is no number") from None
 
 
 def _bits(a: float) -> int:
     if not (a.is_integer() and -_BITS <= a < 2 * _BITS):
-        raise ProgramFault(f"bits of {a:g}; bit operators take whole numbers of 32 bits")
+        raise ProgramFault(f"bits of {shown(a)}; bit operators take whole numbers of 32 bits")
     return int(a)
 
 

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 
 from holonom.lang.program import Value
 
-__all__ = ["FORMATS", "check_format", "render"]
+__all__ = ["FORMATS", "check_format", "render", "shown"]
 
 FORMATS = {
     "/F": "`/Fw.d`: numbers that follow, w columns wide, d decimals; `/F0.d` as wide as needed",
     "/E": "`/Ew.d`: the same with a power of ten",
     "/I": "`/Iw`: rounded to a whole number, w columns wide",
-    "/D": "`/D`: back to the free format, six significant digits",
+    "/D": "`/D`: back to the free format: whole numbers in full, others to six digits and three decimals at least",
     "/X": "`/Xn`: n spaces (one where n is left out)",
     "/C": "`/Cn`: n line ends (one where n is left out)",
     "/S": "`/S`: the next TYPE goes on in this line",
@@ -43,12 +43,24 @@ def render(items: Sequence[Value], codes: Sequence[str | None]) -> str:
     return "".join(parts)
 
 
+def shown(number: float) -> str:
+    """Return a number in the free format.
+
+    Whole numbers have all their digits, as far as floats tell them apart (2^53). Others have six significant ones, and
+    no fewer than three behind the point: in mm those are micrometres.
+    """
+    if number.is_integer():
+        return f"{number + 0.0:.0f}" if abs(number) <= 2.0**53 else repr(number)
+    before = len(f"{abs(number):.0f}") if abs(number) >= 1.0 else 0
+    return f"{number:z.{max(6, before + 3)}g}"
+
+
 def _value(value: Value, number: str) -> str:
     if isinstance(value, str):
         return value
     real = float(value)
     if number == "g":
-        return f"{real:zg}"
+        return shown(real)
     width, _, decimals = number[1:].partition(".")
     if number[0] == "I":
         return f"{round(real):{int(width)}d}"

@@ -11,6 +11,7 @@ import numpy as np
 from holonom.errors import ProgramFault
 from holonom.lang.machine import Array, Configuration, Machine, Part, Tolerance
 from holonom.lang.program import Program, Routine, Value
+from holonom.lang.vm.formats import shown
 
 __all__ = ["Frame", "Settings", "Speed", "Status", "Variable", "Vm", "VmState"]
 
@@ -40,6 +41,11 @@ class Variable:
             raise ProgramFault(f"{self.name!r} has no value yet; assign it before it is used")
         return self.value
 
+    @property
+    def defined(self) -> bool:
+        """Whether it, or one of its elements, has a value."""
+        return self.value is not None or any(part.defined for part in self.elements.values())
+
     def element(self, indices: tuple[Value, ...]) -> Variable:
         """Return the element at these indices, whole numbers from 0 to 32767; a new one has no value."""
         key = tuple(self._index(i) for i in indices)
@@ -51,7 +57,7 @@ class Variable:
         number = float(value)
         if not (0 <= number <= _LARGEST_INDEX and number.is_integer()):
             raise ProgramFault(
-                f"index {number:g} of {self.name!r} is out of range; it must be whole, 0 to {_LARGEST_INDEX}"
+                f"index {shown(number)} of {self.name!r} is out of range; it must be whole, 0 to {_LARGEST_INDEX}"
             )
         return int(number)
 

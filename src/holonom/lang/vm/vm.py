@@ -12,9 +12,9 @@ from holonom.lang import poses
 from holonom.lang.machine import Machine
 from holonom.lang.program import Program, Value
 from holonom.lang.vm.arithmetic import BINARY, UNARY, finite
-from holonom.lang.vm.formats import render
+from holonom.lang.vm.formats import render, shown
 from holonom.lang.vm.state import Frame, Status, Variable, Vm, VmState
-from holonom.lang.words.functions import FUNCTIONS, SHIFT, here
+from holonom.lang.words.functions import FUNCTIONS, SHIFT, dest, where
 from holonom.lang.words.instructions import INSTRUCTIONS, ending
 from holonom.lang.words.motions import set_speed, set_tolerance
 
@@ -22,6 +22,8 @@ __all__ = ["proceed", "start", "step"]
 
 _DEEPEST_CALL = 100
 _LONGEST_STRING = 1024
+_SHOWN_CALLS = 4
+"""Of a deep chain of calls a message shows so many from either end."""
 
 
 def start(program: Program, *, entry: str | None = None, rng: np.random.Generator | None = None) -> VmState:
@@ -146,6 +148,9 @@ def _located(vm: Vm, text: str) -> str:
     """Return a message with file, line, the source line and the calls that led there."""
     program, line = vm.program, vm.state.line
     calls = [f"\n  called from line {f.called_from}" for f in reversed(vm.state.frames) if f.called_from]
+    if len(calls) > 2 * _SHOWN_CALLS:
+        left_out = f"\n  ... {len(calls) - 2 * _SHOWN_CALLS} more calls ..."
+        calls = [*calls[:_SHOWN_CALLS], left_out, *calls[-_SHOWN_CALLS:]]
     return f"{program.file}:{line}: {text}\n  {line} | {program.source(line)}{''.join(calls)}"
 
 
@@ -267,12 +272,12 @@ def _action(vm: Vm, operand: tuple[str, int]) -> bool:
     return False
 
 
-def _here(vm: Vm, _: None) -> None:
-    vm.state.stack.append(here(vm))
+def _here(vm: Vm, measured: int) -> None:
+    vm.state.stack.append(where(vm) if measured else dest(vm))
 
 
-def _here_joints(vm: Vm, _: None) -> None:
-    vm.state.stack.append(vm.machine.joints().copy())
+def _here_joints(vm: Vm, measured: int) -> None:
+    vm.state.stack.append((vm.machine.joints() if measured else vm.machine.goal()).copy())
 
 
 def _shift(vm: Vm, _: None) -> None:
@@ -308,7 +313,7 @@ def _continuous(vm: Vm, on: int) -> None:
 def _timer(vm: Vm, _: None) -> None:
     number, seconds = _popped(vm, 2)
     if not 0 <= number <= 15 or not number.is_integer():
-        raise ProgramFault(f"there is no timer {number:g}; timers are 0 to 15")
+        raise ProgramFault(f"there is no timer {shown(number)}; timers are 0 to 15")
     vm.state.timers[int(number)] = vm.machine.time() - seconds
 
 

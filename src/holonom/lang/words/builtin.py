@@ -17,9 +17,10 @@ __all__ = [
     "real",
     "target",
     "text",
+    "variable",
 ]
 
-Kind = Literal["real", "string", "location", "joints", "target", "text", "new location", "any"]
+Kind = Literal["real", "string", "location", "joints", "target", "text", "new location", "any", "variable"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +28,8 @@ class Parameter:
     """One parameter: what it is called, what it takes, and what is taken where nothing is given.
 
     Kinds: "real", "string", "location", "joints"; "target" is a location or joints, "text" a real or a
-    string, "new location" a variable that is written. An `optional` one is not passed when left out.
+    string, "new location" a variable that is written, "variable" any variable or element itself. An `optional` one is
+    not passed when left out.
     """
 
     name: str
@@ -95,6 +97,11 @@ def location(name: str = "location", *, optional: bool = False) -> Parameter:
 def target(name: str = "location") -> Parameter:
     """Return a parameter that takes a location or a precision point."""
     return Parameter(name, "target")
+
+
+def variable(name: str = "name") -> Parameter:
+    """Return a parameter that takes a variable itself, whether it has a value or not."""
+    return Parameter(name, "variable")
 
 
 def new_location(name: str = "location") -> Parameter:

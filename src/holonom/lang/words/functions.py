@@ -11,11 +11,12 @@ import numpy as np
 from holonom.errors import ProgramFault
 from holonom.lang import poses
 from holonom.lang.machine import Array
-from holonom.lang.vm.state import Vm
-from holonom.lang.words.builtin import Builtin, Kind, location, real, text
+from holonom.lang.vm.formats import shown
+from holonom.lang.vm.state import Variable, Vm
+from holonom.lang.words.builtin import Builtin, Kind, location, real, text, variable
 from holonom.spatial import inverse
 
-__all__ = ["FEATURES", "FUNCTIONS", "SHIFT", "TRUE", "dest", "here", "signals_are"]
+__all__ = ["FEATURES", "FUNCTIONS", "SHIFT", "TRUE", "dest", "signals_are", "where"]
 
 TRUE, FALSE = -1.0, 0.0
 _MM, _MM2 = 1e3, 1e6
@@ -39,18 +40,22 @@ def _logical(condition: bool) -> float:
 
 def _whole(value: float, what: str) -> int:
     if not value.is_integer():
-        raise ProgramFault(f"{what} must be a whole number, not {value:g}")
+        raise ProgramFault(f"{what} must be a whole number, not {shown(value)}")
     return int(value)
 
 
 def _sqrt(_: Vm, x: float) -> float:
     if x < 0.0:
-        raise ProgramFault(f"SQRT of a negative number: {x:g}")
+        raise ProgramFault(f"SQRT of a negative number: {shown(x)}")
     return math.sqrt(x)
 
 
 def _atan2(_: Vm, y: float, x: float) -> float:
     return math.degrees(math.atan2(y, x))
+
+
+def _defined(_: Vm, name: Variable) -> float:
+    return _logical(name.defined)
 
 
 def _val(_: Vm, string: str) -> float:
@@ -78,14 +83,18 @@ def _sig(vm: Vm, *numbers: float) -> float:
     return _logical(signals_are(vm, numbers))
 
 
-def _ppoint(_: Vm, *degrees: float) -> Array:
-    return poses.precision_point(degrees)
+def _ppoint(vm: Vm, *values: float) -> Array:
+    turns = vm.machine.turns()
+    if len(values) != len(turns):
+        raise ProgramFault(f"{len(values)} joint values came; this arm has {len(turns)} joints")
+    return poses.precision_point(values, turns)
 
 
 def _mid(_: Vm, string: str, start: float, count: float) -> str:
     first = _whole(start, "the start of $MID")
     if first < 1 or count < 0:
-        raise ProgramFault(f"$MID starts at 1 or later and takes 0 or more characters, not {start:g}, {count:g}")
+        came = f"{shown(start)}, {shown(count)}"
+        raise ProgramFault(f"$MID starts at 1 or later and takes 0 or more characters, not {came}")
     return string[first - 1 : first - 1 + _whole(count, "the count of $MID")]
 
 
@@ -122,17 +131,20 @@ def _feature(vm: Vm, number: float) -> float:
     return part.features[index - 1] * factor
 
 
-def here(vm: Vm) -> Array:
-    """Return the present location in the program's frame: where the arm stands, or was sent when at rest."""
-    machine, settings = vm.machine, vm.state.settings
-    now = machine.destination() if machine.idle() else machine.pose()
-    return inverse(settings.base) @ now @ settings.tool
-
-
 def dest(vm: Vm) -> Array:
-    """Return where the last motion ends, as a location (4, 4) of the program."""
+    """Return where the last motion ends, as a location (4, 4) of the program: commanded, never measured."""
+    return _located(vm, vm.machine.destination())
+
+
+def where(vm: Vm) -> Array:
+    """Return where the tool is by the measured joints, as a location (4, 4) of the program."""
+    return _located(vm, vm.machine.pose())
+
+
+def _located(vm: Vm, T_wt: Array) -> Array:
     settings = vm.state.settings
-    return inverse(settings.base) @ vm.machine.destination() @ settings.tool
+    found: Array = inverse(settings.base) @ T_wt @ settings.tool
+    return found
 
 
 def _distance(_: Vm, a: Array, b: Array) -> float:
@@ -165,6 +177,7 @@ _NUMBERS = (
     Builtin("MAX", _X, lambda _, *x: max(x), "largest value", repeat=True),
     Builtin("SIGN", _X, lambda _, x: -1.0 if x < 0.0 else 1.0, "-1 for a negative x, else 1"),
     Builtin("RANDOM", (), lambda vm: float(vm.state.random.random()), "a number from 0 up to 1"),
+    Builtin("DEFINED", (variable(),), _defined, "TRUE when a variable, or an element, has a value"),
     Builtin("LEN", _S, lambda _, s: float(len(s)), "number of characters"),
     Builtin("VAL", _S, _val, "the number that a string starts with, 0 without one"),
     Builtin("ASC", (*_S, real("index", 1.0)), _asc, "code of a character, -1 past the end"),
@@ -200,7 +213,8 @@ _STRINGS = (
     Builtin("$MID", (*_S, real("start"), real("count")), _mid, "characters of a string, counted from 1"),
 )
 
-_JOINTS = (Builtin("#PPOINT", (real("j1"),), _ppoint, "precision point from joint values in degrees", repeat=True),)
+_PPOINT_HELP = "precision point from joint values in degrees, of joints that slide in mm"
+_JOINTS = (Builtin("#PPOINT", (real("j1"),), _ppoint, _PPOINT_HELP, repeat=True),)
 
 _TABLES: tuple[tuple[Kind, tuple[Builtin, ...]], ...] = (
     ("real", _NUMBERS),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from holonom.errors import ProgramFault
+from holonom.lang.vm.formats import shown
 from holonom.lang.vm.state import Status, Variable, Vm
 from holonom.lang.words.builtin import Builtin, new_location, real, text
 from holonom.lang.words.functions import signals_are
@@ -32,7 +33,7 @@ def _hand_and_wait(vm: Vm, closed: bool) -> bool:
 def _signal(vm: Vm, *numbers: float) -> bool:
     for number in numbers:
         if not number.is_integer() or number == 0.0:
-            raise ProgramFault(f"SIGNAL {number:g}; signals are whole numbers, n for on and -n for off")
+            raise ProgramFault(f"SIGNAL {shown(number)}; signals are whole numbers, n for on and -n for off")
     for number in numbers:
         vm.machine.set_signal(int(abs(number)), number > 0)
     outputs = vm.state.outputs

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from holonom.errors import ProgramFault
 from holonom.lang import poses
 from holonom.lang.machine import Array, Motion, MotionKind, Tolerance
+from holonom.lang.vm.formats import shown
 from holonom.lang.vm.state import Speed, Vm
 from holonom.lang.words.builtin import Builtin, location, real, target
 from holonom.lang.words.functions import dest
@@ -63,10 +63,11 @@ def _draw(vm: Vm, dx: float, dy: float, dz: float) -> bool:
 def _drive(vm: Vm, joint: float, change: float, speed: float) -> bool:
     if not vm.machine.idle():
         return False
-    joints = vm.machine.joints().copy()
+    joints = vm.machine.goal().copy()
     if not (1 <= joint <= joints.size and joint.is_integer()):
-        raise ProgramFault(f"DRIVE: no joint {joint:g}; this arm has joints 1 to {joints.size}")
-    joints[int(joint) - 1] += math.radians(change)
+        raise ProgramFault(f"DRIVE: no joint {shown(joint)}; this arm has joints 1 to {joints.size}")
+    number = int(joint) - 1
+    joints[number] += change * poses.joint_unit(vm.machine.turns()[number])
     return _send(vm, "joint", joints, Speed(_percent(speed, "the speed of DRIVE")))
 
 
@@ -77,7 +78,7 @@ def _ready(vm: Vm) -> bool:
 def _delay(vm: Vm, seconds: float) -> bool:
     state = vm.state
     if seconds < 0.0:
-        raise ProgramFault(f"DELAY of {seconds:g} s; it takes 0 or more")
+        raise ProgramFault(f"DELAY of {shown(seconds)} s; it takes 0 or more")
     if state.phase == 0:
         if not vm.machine.idle():
             return False
@@ -117,7 +118,7 @@ def set_speed(vm: Vm, value: float, words: frozenset[str]) -> None:
         return
     if "MMPS" in words:
         if value <= 0.0:
-            raise ProgramFault(f"SPEED {value:g} MMPS; it must be more than 0")
+            raise ProgramFault(f"SPEED {shown(value)} MMPS; it must be more than 0")
         speed = Speed(settings.speed.fraction, value * _MM)
     else:
         speed = Speed(_percent(value, "SPEED"))
@@ -136,13 +137,13 @@ def set_tolerance(vm: Vm, value: Tolerance, always: bool) -> None:
 
 def _percent(value: float, what: str) -> float:
     if not 0.0 < value <= 100.0:
-        raise ProgramFault(f"{what} is {value:g}; it takes more than 0 and at most 100 per cent")
+        raise ProgramFault(f"{what} is {shown(value)}; it takes more than 0 and at most 100 per cent")
     return value / 100.0
 
 
 _DISTANCE = real("distance")
 _STEPS = (real("dx", 0.0), real("dy", 0.0), real("dz", 0.0))
-_TURN = (real("joint"), real("degrees"), real("speed"))
+_JOINT = (real("joint"), real("change"), real("speed"))
 _TABLE = (
     ("MOVE", (target(),), lambda vm, p: _send(vm, "joint", p), "go there, all joints arriving together"),
     ("MOVES", (target(),), lambda vm, p: _send(vm, "line", p), "go there on a straight line"),
@@ -161,7 +162,12 @@ _TABLE = (
     ("DEPART", (_DISTANCE,), lambda vm, d: _depart(vm, "joint", d), "draw the tool back along its own z axis"),
     ("DEPARTS", (_DISTANCE,), lambda vm, d: _depart(vm, "line", d), "DEPART on a straight line"),
     ("DRAW", _STEPS, _draw, "straight line by mm along the axes of the base frame"),
-    ("DRIVE", _TURN, _drive, "come to rest, then turn one joint by degrees, at a speed in per cent"),
+    (
+        "DRIVE",
+        _JOINT,
+        _drive,
+        "come to rest, then move one joint by degrees, or mm if it slides, at a speed in per cent",
+    ),
     ("READY", (), _ready, "go to the READY position of the arm"),
     ("DELAY", (real("seconds"),), _delay, "come to rest and stay there"),
     ("BREAK", (), lambda vm: vm.machine.idle(), "wait until the arm is at rest: ends a continuous path"),

@@ -39,7 +39,6 @@ SYNTAX_WORDS: Mapping[str, Word] = {
     "END": Word("end of a block"),
     "FOR": Word("repeat a block with a counter", begins=True),
     "GOTO": Word("go on at a label", begins=True),
-    "HERE": Word("the present location into a variable, or as a value", begins=True),
     "IF": Word("a block where a condition holds", begins=True),
     "OF": Word("CASE value OF"),
     "RETURN": Word("back to the program that called", begins=True),
@@ -63,6 +62,7 @@ SYNTAX_WORDS: Mapping[str, Word] = {
     "COARSE": Word("settle coarsely at the end of motions", carries=True, begins=True),
     "COM": Word("complement, bit by bit", carries=True),
     "FINE": Word("settle finely at the end of motions", carries=True, begins=True),
+    "HERE": Word("where the arm was sent, into a variable or as a value", carries=True, begins=True),
     "LOCAL": Word("variables of this program only", carries=True, begins=True),
     "MMPS": Word("SPEED in mm/s", carries=True),
     "MOD": Word("rest of a division", carries=True),
@@ -72,6 +72,7 @@ SYNTAX_WORDS: Mapping[str, Word] = {
     "ON": Word("CP ON", carries=True),
     "OR": Word("one of the conditions holds", carries=True),
     "TIMER": Word("a timer is set, or read", carries=True, begins=True),
+    "WHERE": Word("where the arm is, measured, into a variable or as a value", carries=True, begins=True),
     "XOR": Word("exactly one of the conditions holds", carries=True),
 }
 """By name; a new one is a line here and a rule of the grammar."""

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from math import inf
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from holonom.arrays import Array
 from holonom.errors import MotionError
 from holonom.machine.arm.clock import PROGRAM_TICK
 from holonom.machine.arm.motions import LineSettings, MotionRequest, plan
 from holonom.mechanics import Arm
+from holonom.mechanics.motion import Trajectory
 
 __all__ = ["DryMachine", "Problem"]
 
@@ -23,10 +27,24 @@ class Problem:
     text: str
 
 
+class Made(NamedTuple):
+    """A planned motion: joints (n,) where it ends, how long it takes (s), what is wrong with it, what to warn of."""
+
+    end: Array
+    duration: float
+    problem: str | None = None
+    warning: str | None = None
+
+
+KNOWN = 4096
+"""Planned motions that are remembered."""
+
+
 class DryMachine:
     """Every motion is planned exactly as the simulation would, then taken as done; one in a tick.
 
-    `problems` collects what could not be planned; the arm then stays where it was. `moved` counts motions, `time`
+    `problems` collects what could not be planned; the arm then stays where it was. `warnings` are of motions that were.
+    A motion that was planned before, from the same place, is not planned again. `moved` counts motions, `time`
     adds up their durations (from rest to rest: an upper estimate of the cycle time).
     """
 
@@ -39,9 +57,12 @@ class DryMachine:
         ready: Array,
         line: LineSettings,
         hand_time: float,
+        longest: float = inf,
     ) -> None:
-        self.arm, self.line = arm, line
+        self.arm, self.line, self.longest = arm, line, longest
         self.problems: list[Problem] = []
+        self.warnings: list[Problem] = []
+        self._known: dict[Hashable, Made] = {}
         self.moved = 0
         self.typed: list[str] = []
         self._q, self._ready, self._look, self._hand_time = q.copy(), ready, look, hand_time
@@ -56,19 +77,53 @@ class DryMachine:
             return False
         self._moved_in_tick = True
         self.moved += 1
-        try:
-            trajectory = plan(self.arm, self._q, motion, self.line)
-        except MotionError as problem:
-            self.problems.append(Problem(motion.line, str(problem)))
-            return True
-        self._q = trajectory.q[-1].copy()
-        self._clock += max(trajectory.duration - PROGRAM_TICK, 0.0)
+        key = self._key(motion)
+        made = self._known.get(key)
+        if made is None:
+            made = self._plan(motion)
+            if len(self._known) >= KNOWN:
+                self._known.clear()
+            self._known[key] = made
+        if made.problem is not None:
+            self.problems.append(Problem(motion.line, made.problem))
+        if made.warning is not None:
+            self.warnings.append(Problem(motion.line, made.warning))
+        self._q = made.end.copy()
+        self._clock += max(made.duration - PROGRAM_TICK, 0.0)
         return True
+
+    def _plan(self, motion: MotionRequest) -> Made:
+        try:
+            trajectory = plan(self.arm, self._q, motion, self.line, longest=self.longest)
+        except MotionError as problem:
+            return Made(self._q, 0.0, str(problem))
+        return Made(trajectory.end, trajectory.duration, *self.look_at(trajectory))
+
+    def look_at(self, trajectory: Trajectory) -> tuple[str | None, str | None]:
+        """Return what is wrong with a planned motion, and what is to be warned of; None where nothing is."""
+        del trajectory
+        return None, None
+
+    def around(self) -> tuple[Hashable, ...]:
+        """Return what `look_at` depends on beside the motion."""
+        return ()
+
+    def _key(self, motion: MotionRequest) -> Hashable:
+        """What decides about a motion, joints and places to a billionth: programs repeat motions, laps their laps."""
+        target = motion.pose if motion.pose is not None else motion.joints
+        given = [part.ravel() for part in (self._q, target) if part is not None]
+        numbers = tuple(round(value, 9) + 0.0 for value in np.concatenate(given).tolist())
+        settings = (motion.speed, motion.speed_mps, motion.acceleration, motion.configuration)
+        return (motion.kind, motion.pose is None, numbers, settings, self.around())
 
     def tick(self) -> None:
         """Let a program tick pass, the first one of a motion where one was taken."""
         self._clock += PROGRAM_TICK
         self._moved_in_tick = False
+
+    def pass_until(self, time: float) -> None:
+        """Let time (s) pass up to the tick before a moment, where nothing happens until then."""
+        self._clock = max(self._clock, time - PROGRAM_TICK)
 
     def idle(self) -> bool:
         """Motions end at once."""
@@ -106,6 +161,14 @@ class DryMachine:
     def destination(self) -> Array:
         """T_wt (4, 4) where the last motion ended."""
         return self.arm.fk(self._q)
+
+    def turns(self) -> tuple[bool, ...]:
+        """Of each joint whether it turns."""
+        return self.arm.limits.turns
+
+    def goal(self) -> Array:
+        """Joint positions (n,) where the last motion ended."""
+        return self._q.copy()
 
     def joints(self) -> Array:
         """Joint positions (n,)."""

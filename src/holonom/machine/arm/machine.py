@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import inf, isfinite
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from holonom.machine.digital import DigitalSignals
 from holonom.machine.drives import ArmDrives, Hand
 from holonom.machine.levels import Levels
 from holonom.mechanics import Arm
+from holonom.model.joint_values import in_degrees
 from holonom.signals import Event, Sink
 from holonom.spatial import inverse
 
@@ -50,6 +52,10 @@ class ArmMachine:
         What 100 % means on straight lines.
     levels
         Periods of supervisor, model and servos.
+    longest
+        Longest time that a motion may take, s.
+    patience
+        How long somebody may wait for the arm to settle after its motions, s.
     frame
         T (4, 4) of its base in the world where another robot carries it, as that one believes to stand.
     steady
@@ -72,15 +78,18 @@ class ArmMachine:
         ready: Array,
         line: LineSettings,
         levels: Levels = Levels(),
+        longest: float = inf,
+        patience: float = inf,
         frame: Callable[[], Array] | None = None,
         steady: bool = False,
         signals: DigitalSignals | None = None,
         observe: Callable[[Array], None] = lambda reference: None,
     ) -> None:
         self.arm, self.drives, self.hand = arm, drives, hand
-        self.queue = MotionQueue(arm, start, line, levels)
+        self.queue = MotionQueue(arm, start, line, levels, longest=longest)
         self._sink, self._look, self._ready, self._observe, self._frame = sink, look, ready, observe, frame
         self._before, self._braking, self._halting = drives.position, 0, False
+        self._patience, self._asked_since = patience, inf
         self._samples = samples_per_tick(levels.servo)
         self._parts: list[Any] = []
         self._steady = SteadyTool(arm, frame, PROGRAM_TICK) if steady and frame is not None else None
@@ -90,7 +99,7 @@ class ArmMachine:
 
     def move(self, motion: MotionRequest) -> bool:
         """Take a motion, blended into the present one if both allow it; False while one is already waiting."""
-        idle, self._halting = self.idle(), False
+        idle, self._halting, self._asked_since = self.idle(), False, inf
         if self._steady is not None:
             self._steady.release()
         return self.queue.move(self._on_base(motion) if self._frame is not None else motion, idle=idle)
@@ -102,7 +111,9 @@ class ArmMachine:
         here = self.drives.position
         moved = np.abs(here - self._before).max()
         error = np.abs(self.queue.goal - here).max()
-        return bool(error < SETTLED[self.queue.tolerance] and moved < SETTLED_SPEED * PROGRAM_TICK)
+        settled = bool(error < SETTLED[self.queue.tolerance] and moved < SETTLED_SPEED * PROGRAM_TICK)
+        self._asked_since = inf if settled else min(self._asked_since, self.time())
+        return settled
 
     def set_hand(self, closed: bool) -> None:
         """Close or open the hand."""
@@ -139,6 +150,14 @@ class ArmMachine:
         """T_wt where the last commanded motion ends."""
         return self._in_world(self.arm.fk(self.queue.goal))
 
+    def turns(self) -> tuple[bool, ...]:
+        """Of each joint whether it turns."""
+        return self.arm.limits.turns
+
+    def goal(self) -> Array:
+        """Joints (n,) where the last commanded motion ends."""
+        return self.queue.goal
+
     def joints(self) -> Array:
         """Measured joint positions (n,)."""
         return self.drives.position
@@ -170,15 +189,23 @@ class ArmMachine:
         """Source line of the motion under way, 0 when standing."""
         return self.queue.active_line
 
+    @property
+    def last_line(self) -> int:
+        """Source line of the motion that was taken last."""
+        return self.queue.planned.line
+
     def advance(self) -> None:
         """Advance everything by one program tick: along the path, or braking.
 
         Raises
         ------
         DriveFault, LevelFault, MotionError
-            An axis left its limits, the supervisor failed, or a finger hit a part.
+            An axis left its limits, the supervisor failed, a finger hit a part, or the arm did not settle in time.
         """
         self._before = self.drives.position
+        if self._steady is None and self._braking == 0 and self.time() > self._asked_since + self._patience:
+            waits, self._asked_since = self.unsettled(), inf
+            raise MotionError(f"{waits} (it waited {self._patience:g} s: limits.settle_time)")
         if self._braking > 0:
             self._braking -= 1
             self.drives.brake(self._samples)
@@ -196,6 +223,16 @@ class ArmMachine:
                 raise
         finally:
             self._observe(self.queue.present())
+
+    def unsettled(self) -> str:
+        """Which joint has not arrived where it was sent: how far it is away, and what holds it; "" if nobody waits."""
+        if not isfinite(self._asked_since):
+            return ""
+        error, limits = self.queue.goal - self.drives.position, self.arm.limits
+        joint = int(np.argmax(np.abs(error)))
+        away = in_degrees(abs(float(error[joint])), limits.turns[joint])
+        held = self.drives.at_limit()[joint] or "no limit holds it back"
+        return f"the arm does not come to rest: {limits.names[joint]} is {away} from where it was sent, {held}"
 
     def _references(self) -> Array:
         """Those of the next tick (3, samples, n): of the motion under way, or what keeps the tool where it is."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 import numpy as np
 
 from holonom.arrays import Array
@@ -29,10 +31,14 @@ class MotionQueue:
         What 100 % means on straight lines.
     levels
         Where the supervisor's period is longer than the servos', they get points and interpolate.
+    longest
+        Longest time that a motion may take, s.
     """
 
-    def __init__(self, arm: Arm, q: Array, line: LineSettings, levels: Levels = Levels()) -> None:
-        self.arm, self.line, self.levels = arm, line, levels
+    def __init__(
+        self, arm: Arm, q: Array, line: LineSettings, levels: Levels = Levels(), *, longest: float = inf
+    ) -> None:
+        self.arm, self.line, self.levels, self.longest = arm, line, levels, longest
         self.place(q)
         self.tolerance = "coarse"
         """How closely the last motion is to settle."""
@@ -42,7 +48,7 @@ class MotionQueue:
     def place(self, q: Array) -> None:
         """Stand at q (n,), without any motion."""
         rest = np.zeros((1, q.shape[0]))
-        self.planned = Trajectory(self.levels.servo, q[None].copy(), rest, rest.copy())
+        self._follow(Trajectory(self.levels.servo, q[None].copy(), rest, rest.copy()))
         self._used = 1
         self._points: PointBuffer | None = None
         if self.levels.ratio > 1:
@@ -55,17 +61,17 @@ class MotionQueue:
     def empty(self) -> bool:
         """Whether all that was planned was given out."""
         standing = self._points is None or self._points.state is LevelState.STANDING
-        return self._used >= len(self.planned.q) and standing
+        return self._used >= self.planned.count and standing
 
     @property
     def goal(self) -> Array:
         """Joints (n,) where the last motion ends."""
-        return self.planned.q[-1].copy()
+        return self._goal.copy()
 
     @property
     def active_line(self) -> int:
         """Source line of the motion under way, 0 when standing."""
-        if self._used >= len(self.planned.q):
+        if self._used >= self.planned.count:
             return 0
         return self.planned.line if self._used >= self.planned.begin else self._line_before
 
@@ -80,12 +86,11 @@ class MotionQueue:
             It cannot be made.
         """
         if idle:
-            self.planned, self._used = self._plan(motion), 0
+            self._follow(self._plan(motion))
         elif self._blend and self._used >= self.planned.begin:
             following = self._plan(motion)
             self._line_before = self.active_line
-            self.planned = splice(self.planned, self._used, following, self.arm.limits)
-            self._used = 0
+            self._follow(splice(self.planned, self._used, following, self.arm.limits))
         else:
             return False
         self._blend, self.tolerance = motion.blend, motion.tolerance
@@ -93,8 +98,9 @@ class MotionQueue:
 
     def brake(self) -> None:
         """Replace what is planned by the shortest way to rest along it."""
-        at = min(self._used, len(self.planned.q) - 1)
-        self.planned, self._used, self._blend = stop(self.planned, at, self.arm.limits), 0, False
+        at = min(self._used, self.planned.count - 1)
+        self._follow(stop(self.planned, at, self.arm.limits))
+        self._blend = False
 
     def take(self, count: int) -> Array:
         """Return the reference of the next servo periods (3, count, n); at the end the last one is held.
@@ -105,13 +111,14 @@ class MotionQueue:
             The supervisor failed, and the arm stands.
         """
         if self._points is None:
-            last = len(self.planned.q) - 1
-            k = np.minimum(np.arange(self._used, self._used + count), last)
-            self._used = min(self._used + count, last + 1)
-            return np.stack([self.planned.q[k], self.planned.qd[k], self.planned.qdd[k]])
-        while self._points.held < count and self._used < len(self.planned.q):
-            self._used = min(self._used + self.levels.ratio, len(self.planned.q))
-            self._points.push(self.planned.q[min(self._used, len(self.planned.q) - 1)])
+            first = min(self._used, self.planned.count - 1)
+            rows = self.planned.take(first, min(self._used + count, self.planned.count))
+            self._used = min(self._used + count, self.planned.count)
+            missing = count - rows.shape[1]
+            return rows if missing <= 0 else np.concatenate([rows, np.repeat(rows[:, -1:], missing, axis=1)], axis=1)
+        while self._points.held < count and self._used < self.planned.count:
+            self._used = min(self._used + self.levels.ratio, self.planned.count)
+            self._points.push(self._sample(min(self._used, self.planned.count - 1))[0])
         reference = self._points.take(count)
         if self._points.reason and self._points.state is LevelState.STANDING:
             raise LevelFault(self._points.reason)
@@ -121,8 +128,15 @@ class MotionQueue:
         """The reference (3, n) of this instant: the sample that the next tick begins with."""
         if self._points is not None:
             return np.stack([self._points.position, self._points.rate, np.zeros_like(self._points.rate)])
-        k = min(self._used, len(self.planned.q) - 1)
-        return np.stack([self.planned.q[k], self.planned.qd[k], self.planned.qdd[k]])
+        return self._sample(min(self._used, self.planned.count - 1))
 
     def _plan(self, motion: MotionRequest) -> Trajectory:
-        return plan(self.arm, self.planned.q[-1], motion, self.line, self.levels.servo)
+        return plan(self.arm, self._goal, motion, self.line, self.levels.servo, longest=self.longest)
+
+    def _follow(self, planned: Trajectory) -> None:
+        """Follow a trajectory from its first sample on."""
+        self.planned, self._used, self._goal = planned, 0, planned.end
+
+    def _sample(self, number: int) -> Array:
+        """One sample of what is planned (3, n)."""
+        return self.planned.take(number, number + 1)[:, 0]

@@ -53,9 +53,9 @@ class ControlSettings:
     """Which controller drives the arm and where it trips.
 
     `controller` is of the table `CONTROLLERS`, `params` its params record (None: its defaults). `law_bandwidth` (rad/s;
-    None: see `bandwidth`) places the poles of the computed-torque error equation; `following_error` (rad) and
-    `trip_margin` (part of the rated speed and current by which they may be passed) stop an axis; `levels` are the
-    periods and delays of the loops.
+    None: see `bandwidth`) places the poles of the computed-torque error equation; `following_error` (rad; of joints
+    that slide `slide_error`, m) and `trip_margin` (part of the rated speed and current by which they may be passed)
+    stop an axis; `levels` are the periods and delays of the loops.
 
     Raises
     ------
@@ -69,6 +69,7 @@ class ControlSettings:
     params: Any = None
     law_bandwidth: float | None = None
     following_error: float = 0.1
+    slide_error: float = 0.02
     trip_margin: float = 0.25
     levels: Levels = field(default_factory=Levels)
 
@@ -82,6 +83,10 @@ class ControlSettings:
         if self.law_bandwidth is not None:
             return self.law_bandwidth
         return min(ComputedTorqueSettings().law_bandwidth, greatest_bandwidth(self.levels.model))
+
+    def error_of(self, joint: Joint) -> float:
+        """Following error at which a joint stops, rad or m."""
+        return self.following_error if joint.turns else self.slide_error
 
     def law(self) -> JointLaw | None:
         """Return the law where it is not a compiled one.
@@ -254,14 +259,15 @@ def joint_friction(joint: Joint, ratio: float) -> Friction:
 
 
 def _axis_limits(model: ArmModel, axis: int, settings: ControlSettings) -> AxisLimits:
-    motor, limits = joint_motor(model.joints[axis]), model.limits(axis)
-    margin = 1.0 + settings.trip_margin
+    joint, limits = model.joints[axis], model.limits(axis)
+    motor, margin, error = joint_motor(joint), 1.0 + settings.trip_margin, settings.error_of(joint)
     return AxisLimits(
-        limits.lower - settings.following_error,
-        limits.upper + settings.following_error,
+        limits.lower - error,
+        limits.upper + error,
         limits.speed * margin,
         motor.max_current * margin,
-        settings.following_error,
+        error,
+        joint.unit,
     )
 
 

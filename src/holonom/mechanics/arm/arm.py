@@ -72,7 +72,9 @@ class Arm:
         model = self.model
         bounds = [model.limits(i) for i in model.independent]
         rows = [(b.lower, b.upper, b.speed, b.acceleration, b.torque) for b in bounds]
-        return Limits(tuple(model.joints[i].name for i in model.independent), *np.array(rows, dtype=float).T.copy())
+        names, turns = zip(*((model.joints[i].name, model.joints[i].turns) for i in model.independent), strict=True)
+        lower, upper, speed, acceleration, torque = np.array(rows, dtype=float).T.copy()
+        return Limits(names, lower, upper, speed, acceleration, torque, turns)
 
     def with_tool(self, tool: ArrayLike) -> Arm:
         """Return the arm with another tool pose T_nt (4, 4)."""

@@ -26,6 +26,8 @@ class Limits:
     speed: Array
     acceleration: Array
     torque: Array
+    turns: tuple[bool, ...]
+    """Whether its position is an angle; else it is a length."""
 
 
 class SolvedArm(Protocol):

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from holonom.arrays import Array
 from holonom.errors import MotionError
-from holonom.mechanics.motion.trajectory import JointLimits, Trajectory, remainder
+from holonom.mechanics.motion.trajectory import JointLimits, Trajectory, joined, remainder
 
 __all__ = ["blend", "splice"]
 
 
+_LONGEST = 20_000  # steps that an overlap lasts at most
 _TRIALS = 33  # overlaps tried between the longest one and none
 _SLACK = 1.0 + 1e-9  # forgives the rounding of sums that meet a limit exactly
 _MEET = 1e-6  # largest gap (rad or m) between the end of one segment and the start of the next
@@ -44,20 +44,10 @@ def blend(first: Trajectory, second: Trajectory, limits: JointLimits) -> Traject
     MotionError
         `second` does not start where `first` ends, or is sampled at another rate.
     """
-    _check_meeting(first, second)
-    if second.q.shape[0] == 1:
+    _check_meeting(first, second, limits)
+    if second.count == 1:
         return first
-    lap = _overlap(first, second, limits)
-    start = first.q.shape[0] - 1 - lap
-    return Trajectory(
-        first.dt,
-        _overlapped(first.q, second.q, lap),
-        _overlapped(first.qd, second.qd, lap),
-        _overlapped(first.qdd, second.qdd, lap),
-        second.line,
-        begin=start,
-        brake=start + second.brake,
-    )
+    return joined(first, second, _overlap(first, second, limits))
 
 
 def splice(current: Trajectory, consumed: int, following: Trajectory, limits: JointLimits) -> Trajectory:
@@ -88,7 +78,7 @@ def splice(current: Trajectory, consumed: int, following: Trajectory, limits: Jo
 
 def _overlap(first: Trajectory, second: Trajectory, limits: JointLimits) -> int:
     """Longest tried overlap, in steps, whose sums keep the limits."""
-    longest = min(first.q.shape[0] - 1 - first.brake, second.brake)
+    longest = min(first.count - 1 - first.brake, second.brake, _LONGEST)
     for lap in np.unique(np.linspace(longest, 0, _TRIALS).astype(int))[:0:-1]:
         if _keeps(first, second, int(lap), limits):
             return int(lap)
@@ -97,32 +87,28 @@ def _overlap(first: Trajectory, second: Trajectory, limits: JointLimits) -> int:
 
 def _keeps(first: Trajectory, second: Trajectory, lap: int, limits: JointLimits) -> bool:
     """Whether the sums keep the limits where the last `lap` steps of `first` meet the first of `second`."""
-    tail, head = slice(-lap - 1, None), slice(0, lap + 1)
-    qd = first.qd[tail] + second.qd[head]
+    end = first.count
+    (q, qd, qdd), added = first.take(end - 1 - lap, end), second.take(0, lap + 1)
+    qd = qd + added[1]
     if (np.abs(qd) > _SLACK * limits.speed).any():
         return False
-    if (np.abs(first.qdd[tail] + second.qdd[head]) > _SLACK * limits.acceleration).any():
+    if (np.abs(qdd + added[2]) > _SLACK * limits.acceleration).any():
         return False
     # The trapezoid's acceleration jumps on samples, where it is given as zero; between them it shows here.
     if (np.abs(np.diff(qd, axis=0)) > _SLACK * limits.acceleration * first.dt).any():
         return False
-    q = first.q[tail] + (second.q[head] - second.q[0])
+    q = q + (added[0] - added[0, 0])
     return bool(((q >= limits.lower) & (q <= limits.upper)).all())
 
 
-def _overlapped(first: Array, second: Array, lap: int) -> Array:
-    """`first`, then the sums over its last `lap` steps, then what is left of `second`."""
-    start = first.shape[0] - 1 - lap
-    return np.concatenate([first[:start], first[start:] + (second[: lap + 1] - second[0]), second[lap + 1 :]])
-
-
-def _check_meeting(first: Trajectory, second: Trajectory) -> None:
+def _check_meeting(first: Trajectory, second: Trajectory, limits: JointLimits) -> None:
     if first.dt != second.dt:
         raise MotionError(f"segments sampled every {first.dt} s and {second.dt} s; plan both with one dt")
-    gap = np.abs(first.q[-1] - second.q[0])
+    gap = np.abs(first.end - second.take(0, 1)[0, 0])
     if (gap > _MEET).any():
         j = int(np.argmax(gap))
+        unit = "rad" if limits.turns[j] else "m"
         raise MotionError(
-            f"the motion of line {second.line} starts {gap[j]:.3g} (rad or m) of joint {j + 1} away "
+            f"the motion of line {second.line} starts {gap[j]:.3g} {unit} of joint {j + 1} away "
             f"from the end of the one before (at most {_MEET:g} is allowed); plan it from there"
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, real_array
 from holonom.errors import OutOfLimits
-from holonom.mechanics.motion.profile import on_grid, time_law
+from holonom.mechanics.motion.profile import Grid, grid_of, time_law
 from holonom.mechanics.motion.trajectory import (
     STILL,
     JointLimits,
@@ -88,10 +89,36 @@ def plan_joint(
         least(np.broadcast_to(real_array("jerk", jerk), (n,))),
         profile=profile,
     )
-    (s, ds, dds), brake = on_grid(law, dt)
-    q = start + s[:, None] * way
-    q[0], q[-1] = start, goal
-    return Trajectory(dt, q, ds[:, None] * way, dds[:, None] * way, line, brake=brake)
+    grid = grid_of(law, dt)
+    return Trajectory.of(dt, JointRows(grid, start, goal), line, brake=grid.brake)
+
+
+@dataclass(frozen=True, slots=True)
+class JointRows:
+    """Samples `offset`, ... of a law from `start` (n,) to `goal` (n,), straight in joint space."""
+
+    grid: Grid
+    start: Array
+    goal: Array
+    offset: int = 0
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return self.grid.count - self.offset
+
+    def take(self, first: int, last: int) -> Array:
+        """See `Rows`."""
+        numbers = np.arange(first + self.offset, min(last + self.offset, self.grid.count))
+        s, ds, dds = (values[:, None] for values in self.grid.at(numbers))
+        way = self.goal - self.start
+        q = self.start + s * way
+        q[numbers == self.grid.count - 1] = self.goal
+        return np.stack([q, ds * way, dds * way])
+
+    def after(self, number: int) -> JointRows:
+        """See `Rows`."""
+        return replace(self, offset=self.offset + number)
 
 
 def _check_fraction(name: str, value: float) -> None:

@@ -27,10 +27,10 @@ def plan_line(
 ) -> Trajectory:
     """Move the tool on a straight line, at rest at both ends.
 
-    The tool point goes straight from its place at `q0` to that of `T1` while the orientation turns about one
-    fixed axis by the shorter way (slerp); one time law drives both, set by the slower. The joints stay on the
-    inverse branch of `q0`. Where a joint would leave its speed or acceleration limit, the whole line is
-    slowed.
+    The tool point goes straight from its place at `q0` to that of `T1` while the orientation turns about one fixed axis
+    by the shorter way (slerp); one time law drives both, set by the slower. The joints go on from `q0` by continuity,
+    through a singular pose too where none has to jump. Where a joint would leave its speed or acceleration limit, the
+    whole line is slowed.
 
     Parameters
     ----------
@@ -62,8 +62,8 @@ def plan_line(
     Raises
     ------
     MotionError
-        Part of the line is out of reach, outside a joint limit or singular, or the branch breaks off; the
-        message says where and why.
+        Part of the line is out of reach, outside a joint limit, or makes a joint jump; the message says where and
+        why.
     NotAPose, ShapeError, OutOfLimits, UnknownName
         Bad arguments.
     """

@@ -14,7 +14,7 @@ from holonom.errors import NotAPose
 from holonom.mechanics.motion.blend import blend as blended
 from holonom.mechanics.motion.course import Course, arc_about, arc_through, one_pose, spline_through, straight
 from holonom.mechanics.motion.tool import LineArm, ToolLimits, plan_course
-from holonom.mechanics.motion.trajectory import JointLimits, Trajectory, joint_vector, standstill
+from holonom.mechanics.motion.trajectory import JointLimits, Trajectory, joined, joint_vector, standstill
 from holonom.spatial import check_pose
 
 __all__ = ["ArcAbout", "ArcTo", "LineTo", "Segment", "SplineTo", "plan_path"]
@@ -133,20 +133,11 @@ def plan_path(
     whole = standstill(joint_vector("q0", q0, bounds.lower.shape[0]), dt, line)
     tool = ToolLimits(speed, rotation_speed, acceleration, rotation_acceleration)
     for segment in segments:
-        course = _segment(segment).course(arm.fk(whole.q[-1]))
-        part = plan_course(arm, whole.q[-1], course, tool, bounds, dt, profile, line)
-        whole = blended(whole, part, bounds) if blend else _joined(whole, part)
+        course = _segment(segment).course(arm.fk(whole.end))
+        part = plan_course(arm, whole.end, course, tool, bounds, dt, profile, line)
+        whole = blended(whole, part, bounds) if blend else joined(whole, part, 0)
     return whole
 
 
 def _segment(given: Segment | ArrayLike) -> Segment:
     return given if isinstance(given, LineTo | ArcTo | ArcAbout | SplineTo) else LineTo(given)  # type: ignore[arg-type]
-
-
-def _joined(first: Trajectory, second: Trajectory) -> Trajectory:
-    """One after the other, at rest between."""
-    start = first.q.shape[0] - 1
-    q = np.concatenate([first.q, second.q[1:]])
-    qd = np.concatenate([first.qd, second.qd[1:]])
-    qdd = np.concatenate([first.qdd, second.qdd[1:]])
-    return Trajectory(first.dt, q, qd, qdd, second.line, begin=start, brake=start + second.brake)

@@ -18,7 +18,7 @@ from holonom.arrays import Array
 from holonom.errors import OutOfLimits
 from holonom.registry import Method, Table
 
-__all__ = ["PROFILES", "GridSamples", "Law", "LawSamples", "Rise", "on_grid", "sample", "time_law"]
+__all__ = ["PROFILES", "Grid", "GridSamples", "Law", "LawSamples", "Rise", "grid_of", "on_grid", "sample", "time_law"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +51,8 @@ _TRAPEZOID = Rise(speed=(0.0, 1.0), slope=1.0, curvature=inf, cruises=True)
 _SCURVE = Rise(speed=(0.0, 0.0, 3.0, -2.0), slope=1.5, curvature=6.0, cruises=True)
 # s = 10 u^3 - 15 u^4 + 6 u^5 over the whole time; its speed up to u = 1/2 is (x (2 - x))^2, x = 2 u.
 _QUINTIC = Rise(speed=(0.0, 0.0, 4.0, -4.0, 1.0), slope=8 / sqrt(27), curvature=8.0, cruises=False)
+_MOST = 1e18
+"""Samples that can be numbered."""
 _BOOK = "Biagiotti, Melchiorri, Trajectory Planning for Automatic Machines and Robots, ch. 2, 3"
 
 PROFILES: Final = Table(
@@ -169,17 +171,55 @@ def sample(law: Law, t: ArrayLike) -> LawSamples:
     )
 
 
-def on_grid(law: Law, dt: float) -> GridSamples:
-    """Samples every `dt` (s) of a law whose ramp and cruise are lengthened to whole multiples of `dt`.
+@dataclass(frozen=True, slots=True)
+class Grid:
+    """A law whose ramp and cruise are whole multiples of `dt` (s), `ramp` and `cruise` of them; samples on demand."""
+
+    rise: Rise
+    ramp: int
+    cruise: int
+    dt: float
+
+    @property
+    def count(self) -> int:
+        """Number of samples."""
+        return 2 * self.ramp + self.cruise + 1
+
+    @property
+    def brake(self) -> int:
+        """Index of the sample at which it begins to brake."""
+        return self.ramp + self.cruise
+
+    def at(self, samples: ArrayLike) -> LawSamples:
+        """Exact values at samples by their numbers, whole or not."""
+        if self.ramp == 0:
+            return sample(Law(self.rise, 0.0, 0.0), samples)
+        unit = sample(Law(self.rise, float(self.ramp), float(self.cruise)), samples)  # in units of dt: exact
+        return LawSamples(unit.s, unit.ds / self.dt, unit.dds / self.dt**2)
+
+
+def grid_of(law: Law, dt: float) -> Grid:
+    """Lengthen the ramp and the cruise of a law to whole multiples of `dt` (s).
 
     The lengthened law keeps every limit of `law`, ends on its last sample, and starts to brake on a sample.
+
+    Raises
+    ------
+    OutOfLimits
+        A law that lasts longer than samples can be numbered.
     """
     if law.duration == 0.0:
-        return GridSamples(sample(law, [0.0]), 0)
+        return Grid(law.rise, 0, 0, dt)
+    if not law.duration / dt < _MOST:
+        raise OutOfLimits(f"the motion would last {law.duration:g} s in steps of {dt:g} s; give a greater speed")
     # The 1e-9 of a sample forgives the rounding of a ratio that should be whole.
-    ramp, cruise = max(1, ceil(law.ramp / dt - 1e-9)), ceil(law.cruise / dt - 1e-9)
-    unit = sample(Law(law.rise, ramp, cruise), np.arange(2 * ramp + cruise + 1))  # in units of dt: exact
-    return GridSamples(LawSamples(unit.s, unit.ds / dt, unit.dds / dt**2), ramp + cruise)
+    return Grid(law.rise, max(1, ceil(law.ramp / dt - 1e-9)), ceil(law.cruise / dt - 1e-9), dt)
+
+
+def on_grid(law: Law, dt: float) -> GridSamples:
+    """Samples every `dt` (s) of a law whose ramp and cruise are lengthened to multiples of `dt`; see `grid_of`."""
+    grid = grid_of(law, dt)
+    return GridSamples(grid.at(np.arange(grid.count)), grid.brake)
 
 
 def _check(distance: float, speed: float, acceleration: float, jerk: float, profile: str) -> None:

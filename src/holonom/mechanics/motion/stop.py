@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["stop"]
 
 
+_AHEAD = 2000  # samples of the path that are looked at first
 _ROUNDS = 3  # the place after a step depends on the rate after it; the error falls by a dt/qd in each round
 
 
@@ -46,22 +47,32 @@ def stop(current: Trajectory, consumed: int, limits: JointLimits) -> Trajectory:
     With Q(tau) the path and r = d tau/dt, qd = Q' r. On a path that keeps the limits an unchanged r keeps them
     too, so at each sample the least r is taken whose change of qd every joint's acceleration allows.
     """
-    from scipy.interpolate import CubicHermiteSpline  # heavy: on first use
-
     rest = remainder(current, consumed)
-    dt, end = rest.dt, rest.duration
-    if not rest.qd[0].any():
-        return standstill(rest.q[0], dt, rest.line)
-    path = CubicHermiteSpline(dt * np.arange(rest.q.shape[0]), rest.q, rest.qd)
+    q, qd, _ = rest.take(0, 1)
+    if not qd[0].any():
+        return standstill(q[0].copy(), rest.dt, rest.line)
+    ahead = _AHEAD
+    while (stopped := _within(rest, min(ahead, rest.count), limits)) is None:
+        ahead *= 2
+    return stopped
+
+
+def _within(rest: Trajectory, count: int, limits: JointLimits) -> Trajectory | None:
+    """The stop within the first samples of what is left; None where they do not suffice."""
+    dt, end = rest.dt, (count - 1) * rest.dt
+    q, qd, _ = rest.take(0, count)
+    path = CubicHermiteSpline(dt * np.arange(count), q, qd)
     times, rates = [0.0], [1.0]
     while rates[-1] > 0.0 and times[-1] < end:
         tau, rate = _step(path, times[-1], rates[-1], limits.acceleration, dt)
         times.append(min(tau, end))
         rates.append(rate)
-    q, qd = path(times), path(times, 1) * np.array(rates)[:, None]
-    q[0], qd[-1] = rest.q[0], 0.0
-    qdd = np.diff(qd, axis=0, append=qd[-1:]) / dt
-    return Trajectory(dt, q, qd, qdd, rest.line)
+    if rates[-1] > 0.0 and count < rest.count:
+        return None
+    positions, speeds = path(times), path(times, 1) * np.array(rates)[:, None]
+    positions[0], speeds[-1] = q[0], 0.0
+    accelerations = np.diff(speeds, axis=0, append=speeds[-1:]) / dt
+    return Trajectory(dt, positions, speeds, accelerations, rest.line)
 
 
 def _step(path: CubicHermiteSpline, tau: float, rate: float, acceleration: Array, dt: float) -> tuple[float, float]:

@@ -1,20 +1,24 @@
-"""The tool along a course: joints on one branch of the inverse, one time law, slowed until every joint keeps up."""
+"""The tool along a course: joints without a jump, one time law, slowed until every joint keeps up."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from math import inf, sqrt
 from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
 
 from holonom.arrays import Array
 from holonom.errors import InputError, MotionError
 from holonom.mechanics.arm.arm import IkStatus
 from holonom.mechanics.motion.course import Course, where
-from holonom.mechanics.motion.profile import GridSamples, on_grid, time_law
-from holonom.mechanics.motion.trajectory import STILL, JointLimits, Trajectory, standstill
+from holonom.mechanics.motion.profile import Grid, grid_of, time_law
+from holonom.mechanics.motion.trajectory import STILL, JointLimits, Trajectory, limits_of, standstill
+from holonom.model.joint_values import written
 
 __all__ = ["InverseSolutions", "LineArm", "ToolLimits", "plan_course"]
 
@@ -22,6 +26,11 @@ __all__ = ["InverseSolutions", "LineArm", "ToolLimits", "plan_course"]
 _SLOWEST = 50.0  # how many times slower than asked a line may become
 _MARGIN = 1.002  # slowed a little more than computed, for the new samples lie elsewhere on the line
 _PASSES = 8
+_LONG = 20_000  # samples beyond which the joints are a cubic between as many knots
+_TURN = 2.0 * np.pi
+_SMALL = 0.1  # joint motion between two samples (rad or m) of one branch that needs no second look
+_FREE = 1e-3  # distance (rad or m) from where the joints were going from which another member is looked for
+_SINGULAR = 1e-5  # least over greatest singular value of the Jacobian below which it tells no joint speeds
 _JUMP = 0.2  # joint motion between two samples (rad or m) that the Jacobian does not explain
 _START = 1e-6  # largest difference (rad or m) between q0 and its own inverse
 _ROUNDING = 1e-9  # by which a position (rad or m) may pass its limit
@@ -69,10 +78,12 @@ class ToolLimits(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class _Geometry:
-    """Joint positions `q` (N, n) on the line and their derivatives `slope` (N, n) by s."""
+    """Joint positions `q` (N, n) on the line at `s` (N,), their derivatives `slope` (N, n) by s, and where q jumps."""
 
+    s: Array
     q: Array
     slope: Array
+    jump: tuple[int, int] | None
 
 
 def plan_course(
@@ -92,13 +103,22 @@ def plan_course(
     bend = max(course.bend / tool.acceleration, course.twist / tool.rotation_acceleration)
     top = min(_per(tool.speed, way), _per(tool.rotation_speed, angle), sqrt(_per(course.share, bend)))
     ramp = course.share * min(_per(tool.acceleration, way), _per(tool.rotation_acceleration, angle))
-    slow = 1.0
+    slow, long = 1.0, None
     for _ in range(_PASSES):
-        grid = on_grid(time_law(1.0, top / slow, ramp / slow**2, profile=profile), dt)
-        geometry = _inverse(arm, start, course, grid.law.s)
-        _check_positions(geometry.q, bounds, course, grid.law.s)
-        trajectory = _timed(geometry, grid, dt, line)
-        excess = _excess(trajectory, bounds)
+        grid = grid_of(time_law(1.0, top / slow, ramp / slow**2, profile=profile), dt)
+        if grid.count > _LONG and long is None:
+            long = _knots(arm, start, course, bounds)
+        if long is not None:
+            trajectory, excess, s = _on_spline(long, grid, bounds, dt, line)
+        else:
+            s = grid.at(np.arange(grid.count)).s
+            geometry = _inverse(arm, start, course, s)
+            if geometry.jump is not None and slow < _SLOWEST:
+                slow *= 4.0  # more samples: a joint that turns quickly is told from one that jumps
+                continue
+            _check_geometry(geometry, bounds, course)
+            trajectory = _timed(geometry, grid, dt, line)
+            excess = _excess(trajectory.qd, trajectory.qdd, bounds)
         worst = float(excess.max())
         if worst <= 1.0:
             return trajectory
@@ -107,36 +127,145 @@ def plan_course(
             break
     row, joint = np.unravel_index(int(np.argmax(excess)), excess.shape)
     raise MotionError(
-        f"{where(course, float(grid.law.s[row]))} joint {joint + 1} would have to be slowed {slow:.3g} "
+        f"{where(course, float(s[row]))} {bounds.names[joint]} would have to be slowed {slow:.3g} "
         f"times (at most {_SLOWEST:g}): the arm is singular there or the speed too high; use a joint motion"
     )
 
 
-def _inverse(arm: LineArm, start: Array, course: Course, s: Array) -> _Geometry:
-    """Joints along the course: a branch of the closed form in one batch, or step by step where there is none."""
-    try:
-        q = _on_branch(arm, start, course, s)
-    except InputError:
-        q = _tracked(arm, start, course, s)
-    slope = _solve(arm.jacobian(q, frame="world"), course.twists(s), course, s)
-    unexplained = np.abs(np.diff(q, axis=0) - 0.5 * (slope[1:] + slope[:-1]) * np.diff(s)[:, None])
-    if unexplained.max() > _JUMP:
-        row, joint = np.unravel_index(int(np.argmax(unexplained)), unexplained.shape)
+@dataclass(frozen=True, slots=True)
+class _SplineRows:
+    """Samples `offset`, ... of a law along joints `path` over s, a cubic between knots that lie close."""
+
+    path: CubicHermiteSpline
+    grid: Grid
+    offset: int = 0
+
+    @property
+    def count(self) -> int:
+        """How many there are."""
+        return self.grid.count - self.offset
+
+    def take(self, first: int, last: int) -> Array:
+        """See `Rows`."""
+        return self.at(np.arange(first + self.offset, min(last + self.offset, self.grid.count)))
+
+    def at(self, samples: NDArray[np.number[Any]]) -> Array:
+        """Positions, speeds, accelerations (3, k, n) at samples by their numbers in the law."""
+        s, ds, dds = self.grid.at(samples)
+        slope = self.path(s, 1)
+        qdd = self.path(s, 2) * (ds * ds)[:, None] + slope * dds[:, None]
+        return np.stack([self.path(s), slope * ds[:, None], qdd])
+
+    def after(self, number: int) -> _SplineRows:
+        """See `Rows`."""
+        return replace(self, offset=self.offset + number)
+
+
+def _knots(arm: LineArm, start: Array, course: Course, bounds: JointLimits) -> CubicHermiteSpline:
+    """Joints over s of a motion with more samples than are looked at: a cubic between knots."""
+    s = np.linspace(0.0, 1.0, _LONG + 1)
+    geometry = _inverse(arm, start, course, s)
+    _check_geometry(geometry, bounds, course)
+    return CubicHermiteSpline(s, geometry.q, geometry.slope)
+
+
+def _on_spline(
+    path: CubicHermiteSpline, grid: Grid, bounds: JointLimits, dt: float, line: int
+) -> tuple[Trajectory, Array, Array]:
+    """The motion, how many times too fast its joints are at samples of each phase, and s there."""
+    ends = (0.0, grid.ramp, grid.ramp + grid.cruise, grid.count - 1)
+    looked_at = np.concatenate([np.linspace(a, b, _LONG // 4) for a, b in pairwise(ends)])
+    rows = _SplineRows(path, grid)
+    _, qd, qdd = rows.at(looked_at)
+    return Trajectory.of(dt, rows, line, brake=grid.brake), _excess(qd, qdd, bounds), grid.at(looked_at).s
+
+
+def _check_geometry(geometry: _Geometry, bounds: JointLimits, course: Course) -> None:
+    """Refuse joints that jump or leave their limits."""
+    if geometry.jump is not None:
+        row, joint = geometry.jump
         raise MotionError(
-            f"{where(course, float(s[row + 1]))} joint {joint + 1} would jump: the tool passes a singular "
+            f"{where(course, float(geometry.s[row]))} {bounds.names[joint]} would jump: the tool passes a singular "
             "pose; use a joint motion"
         )
-    return _Geometry(q, slope)
+    _check_positions(geometry.q, bounds, course, geometry.s)
 
 
-def _on_branch(arm: LineArm, start: Array, course: Course, s: Array) -> Array:
-    solutions = arm.ik(course.poses(s))
-    branch = _branch(solutions, start)
-    _check_status(solutions.status[:, branch], course, s)
-    q: Array = np.unwrap(solutions.q[:, branch], axis=0)
-    q += 2.0 * np.pi * np.round((start - q[0]) / (2.0 * np.pi))
+def _inverse(arm: LineArm, start: Array, course: Course, s: Array) -> _Geometry:
+    """Joints along the course by continuity: of the closed form, or step by step where there is none."""
+    try:
+        q, singular = _followed(arm, start, course, s)
+    except InputError:
+        q, singular = _tracked(arm, start, course, s), np.zeros(len(s), dtype=bool)
+    J = arm.jacobian(q, frame="world")
+    if singular.any():
+        # Where the Jacobian tells no joint speeds, the joints themselves do: they were followed without a jump.
+        slope = np.gradient(q, s, axis=0)
+        slope[~singular] = _solve(J[~singular], course.twists(s)[~singular], course, s[~singular])
+    else:
+        slope = _solve(J, course.twists(s), course, s)
+    step = np.abs(np.diff(q, axis=0))
+    unexplained = np.abs(np.diff(q, axis=0) - 0.5 * (slope[1:] + slope[:-1]) * np.diff(s)[:, None])
+    told = singular[1:] | singular[:-1]
+    jumps = np.where(told[:, None], step, unexplained)
+    if jumps.max(initial=0.0) <= _JUMP:
+        return _Geometry(s, q, slope, None)
+    row, joint = np.unravel_index(int(np.argmax(jumps)), jumps.shape)
+    return _Geometry(s, q, slope, (int(row) + 1, int(joint)))
+
+
+def _followed(arm: LineArm, start: Array, course: Course, s: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Joints (N, n) of the closed form from `start` on, each the nearest to the one before, and where it is singular.
+
+    A solution has a name, such as "righty flip", that may change on the way: where the wrist passes through its
+    straight pose, no joint moves and flip becomes noflip. Whoever kept the name would see joints 4 and 6 jump by half
+    a turn.
+    """
+    T = course.poses(s)
+    solutions = arm.ik(T)
+    branch = _branch(solutions, start, arm.limits.turns)
+    if branch is not None and np.isin(solutions.status[:, branch], (IkStatus.OK, IkStatus.LIMIT)).all():
+        q = np.unwrap(solutions.q[:, branch], axis=0)
+        q += _TURN * np.round((start - q[0]) / _TURN)
+        q[0] = start
+        if np.abs(np.diff(q, axis=0)).max(initial=0.0) < _SMALL:
+            return q, np.zeros(len(s), dtype=bool)
+    return _nearest(arm, start, T, solutions, course, s)
+
+
+def _nearest(
+    arm: LineArm, start: Array, T: Array, solutions: InverseSolutions, course: Course, s: Array
+) -> tuple[Array, NDArray[np.bool_]]:
+    """The solutions nearest to where the joints were going, sample by sample."""
+    turning = np.array(arm.limits.turns)
+    q = np.empty((len(s), len(start)))
     q[0] = start
-    return q
+    for k in range(1, len(s)):
+        last = q[k - 1] - q[max(k - 2, 0)]
+        ahead = q[k - 1] + last
+        ways = solutions.q[k, solutions.status[k] != IkStatus.UNREACHABLE]
+        if not len(ways):
+            raise MotionError(f"{where(course, float(s[k]))} the pose is out of the arm's reach; choose a nearer one")
+        ways = ways + np.where(turning, _TURN * np.round((ahead - ways) / _TURN), 0.0)
+        apart = np.abs(ways - ahead).max(axis=-1)
+        q[k] = ways[np.argmin(apart)]
+        if apart.min() > _FREE + np.abs(last).max():  # one of a set of solutions, or near one: another may be nearer
+            settled = _settled(arm, ahead, T[k])
+            if settled is not None and np.abs(settled - ahead).max() < apart.min():
+                q[k] = settled
+    spread = np.linalg.svd(arm.jacobian(q, frame="world"), compute_uv=False)
+    return q, spread[:, -1] < _SINGULAR * spread[:, 0]
+
+
+def _settled(arm: LineArm, q: Array, T: Array) -> Array | None:
+    """The joints nearest to q that bring the tool to T by Newton's method in least steps; None where it fails."""
+    error = _pose_error(arm.fk(q), T)
+    for _ in range(_NEWTON):
+        if np.abs(error).max() < _REACHED:
+            return q
+        q = q + np.linalg.pinv(arm.jacobian(q, frame="world"), rcond=1e-6) @ error
+        error = _pose_error(arm.fk(q), T)
+    return q if np.abs(error).max() < _REACHED else None
 
 
 def _tracked(arm: LineArm, start: Array, course: Course, s: Array) -> Array:
@@ -144,18 +273,13 @@ def _tracked(arm: LineArm, start: Array, course: Course, s: Array) -> Array:
     q = np.empty((s.shape[0], start.shape[0]))
     q[0] = start
     for k, T in enumerate(course.poses(s)[1:], 1):
-        q[k] = q[k - 1]
-        error = _pose_error(arm.fk(q[k]), T)
-        for _ in range(_NEWTON):
-            if np.abs(error).max() < _REACHED:
-                break
-            q[k] += np.linalg.pinv(arm.jacobian(q[k], frame="world"), rcond=1e-6) @ error
-            error = _pose_error(arm.fk(q[k]), T)
-        if not np.abs(error).max() < _REACHED:
+        settled = _settled(arm, q[k - 1], T)
+        if settled is None:
             raise MotionError(
                 f"{where(course, float(s[k]))} the pose is out of the arm's reach or the arm is singular; "
                 "use a joint motion"
             )
+        q[k] = settled
     return q
 
 
@@ -166,28 +290,13 @@ def _pose_error(T: Array, goal: Array) -> Array:
     return np.concatenate([goal[:3, 3] - T[:3, 3], turn])
 
 
-def _check_status(status: NDArray[np.integer[Any]], course: Course, s: Array) -> None:
-    """Refuse what cannot be reached; limits are checked later, on the turns that the joints really make."""
-    for bad, words in (
-        (IkStatus.UNREACHABLE, "the pose is out of the arm's reach; choose a nearer one"),
-        (IkStatus.SINGULAR, "the arm is singular; use a joint motion"),
-    ):
-        if (status == bad).any():
-            raise MotionError(f"{where(course, float(s[np.argmax(status == bad)]))} {words}")
-
-
-def _branch(solutions: InverseSolutions, start: Array) -> int:
-    """Index of the branch that `start` lies on, from the solutions for its own pose."""
-    difference = (solutions.q[0] - start + np.pi) % (2.0 * np.pi) - np.pi
+def _branch(solutions: InverseSolutions, start: Array, turns: Sequence[bool]) -> int | None:
+    """Index of the branch that `start` lies on, from the solutions for its own pose; None where it lies on none."""
+    difference = solutions.q[0] - start
+    difference -= np.where(turns, _TURN * np.round(difference / _TURN), 0.0)
     distance = np.abs(difference).max(axis=-1)
     branch = int(np.argmin(distance))
-    if not distance[branch] <= _START:
-        raise MotionError(
-            f"no branch of the inverse comes back to the start q0 = {np.array2string(start, precision=4)} "
-            f"(nearest: {distance[branch]:.3g} away): it is singular or out of reach; "
-            "leave it by a joint motion"
-        )
-    return branch
+    return branch if distance[branch] <= _START else None
 
 
 def _solve(J: Array, twist: Array, course: Course, s: Array) -> Array:
@@ -210,18 +319,17 @@ def _solve(J: Array, twist: Array, course: Course, s: Array) -> Array:
     return np.asarray(u[..., 0], dtype=np.float64)
 
 
-def _timed(geometry: _Geometry, grid: GridSamples, dt: float, line: int) -> Trajectory:
-    _, ds, dds = grid.law
+def _timed(geometry: _Geometry, grid: Grid, dt: float, line: int) -> Trajectory:
+    _, ds, dds = grid.at(np.arange(grid.count))
     drift = np.gradient(geometry.slope, dt, axis=0)
     qd = geometry.slope * ds[:, None]
     qdd = drift * ds[:, None] + geometry.slope * dds[:, None]
     return Trajectory(dt, geometry.q, qd, qdd, line, brake=grid.brake)
 
 
-def _excess(trajectory: Trajectory, limits: JointLimits) -> Array:
+def _excess(qd: Array, qdd: Array, limits: JointLimits) -> Array:
     """How many times too fast each joint is at each sample (N, n), in terms of the line's duration."""
-    speed = np.abs(trajectory.qd) / limits.speed
-    return np.maximum(speed, np.sqrt(np.abs(trajectory.qdd) / limits.acceleration))
+    return np.maximum(np.abs(qd) / limits.speed, np.sqrt(np.abs(qdd) / limits.acceleration))
 
 
 def _check_positions(q: Array, limits: JointLimits, course: Course, s: Array) -> None:
@@ -230,8 +338,8 @@ def _check_positions(q: Array, limits: JointLimits, course: Course, s: Array) ->
         row = int(np.argmax(outside.any(axis=1)))
         j = int(np.argmax(outside[row]))
         raise MotionError(
-            f"{where(course, float(s[row]))} {limits.names[j]} would go to {q[row, j]:.6g}; "
-            f"its limits are {limits.lower[j]:.6g} to {limits.upper[j]:.6g} (rad or m)"
+            f"{where(course, float(s[row]))} {limits.names[j]} would go to "
+            f"{written(q[row, j], limits.turns[j])}; {limits_of(limits, j)}"
         )
 
 

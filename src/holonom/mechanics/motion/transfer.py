@@ -12,8 +12,16 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, real_array
 from holonom.errors import MissingExtra, MotionError, OutOfLimits, ShapeError
-from holonom.mechanics.motion.trajectory import JointLimits, Trajectory, check_count, check_inside, joint_vector
+from holonom.mechanics.motion.trajectory import (
+    JointLimits,
+    Trajectory,
+    check_count,
+    check_inside,
+    joint_vector,
+    limits_of,
+)
 from holonom.model import outside
+from holonom.model.joint_values import written
 
 __all__ = ["plan_transfer"]
 
@@ -193,6 +201,6 @@ def _check_way(q: Array, limits: JointLimits) -> None:
         j = int(np.argmax(beyond.any(axis=0)))
         worst = q[np.argmax(beyond[:, j]), j]
         raise MotionError(
-            f"{limits.names[j]} would go to {worst:.6g} on the way; its limits are {limits.lower[j]:.6g} to "
-            f"{limits.upper[j]:.6g} (rad or m): start slower, or take a way round"
+            f"{limits.names[j]} would go to {written(worst, limits.turns[j])} on the way; {limits_of(limits, j)}: "
+            "start slower, or take a way round"
         )

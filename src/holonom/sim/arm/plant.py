@@ -96,6 +96,15 @@ class ArmPlant:
         sense(self.axes, self.states, self.signals)
 
     @property
+    def ground(self) -> float:
+        """Height of what lies under the tool, m, in the world that the arm's base stands in."""
+        return float(self._ground[0])
+
+    @ground.setter
+    def ground(self, height: float) -> None:
+        self._ground[0] = height
+
+    @property
     def hold(self) -> Array:
         """Motor currents (n,), A, that carry its weight where it stands."""
         found: Array = self.arm.gravity(self.q) / (self.axes["gear"]["ratio"] * self.axes["torque_constant"])

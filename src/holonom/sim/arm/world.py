@@ -5,8 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from holonom.arrays import Array
 from holonom.errors import MotionError
@@ -19,6 +21,8 @@ __all__ = ["Disc", "Fingers", "Gripper", "Surface", "World"]
 RESTING, HELD, FALLING = "resting", "held", "falling"
 LEAST_OVERLAP = 0.3e-3
 """Height (m) over which fingertips and disc must overlap for a grasp."""
+EDGE = 0.05
+"""Thickness, m, of a surface under which something else lies."""
 LEVEL = math.cos(math.radians(10.0))
 """Cosine of the largest angle between the axes of a hand and a disc that it can grasp."""
 
@@ -30,6 +34,17 @@ class Surface:
     name: str
     pose: Array
     size: tuple[float, float]
+
+    @property
+    def height(self) -> float:
+        """Of the surface in the world, m."""
+        return float(self.pose[2, 3])
+
+    def spans(self, x: ArrayLike, y: ArrayLike) -> Any:
+        """Whether points of the world lie over or under it: x, y (...), m."""
+        dx, dy = np.asarray(x) - self.pose[0, 3], np.asarray(y) - self.pose[1, 3]
+        along, across = (self.pose[0, k] * dx + self.pose[1, k] * dy for k in (0, 1))
+        return (np.abs(along) <= self.size[0] / 2) & (np.abs(across) <= self.size[1] / 2)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,13 +77,23 @@ class World:
     def __init__(self, surfaces: Sequence[Surface] = (), discs: Sequence[Disc] = ()) -> None:
         self.surfaces, self.discs = list(surfaces), list(discs)
 
+    def under(self, place: ArrayLike, before: Surface | None = None) -> Surface | None:
+        """Return the surface that a point (3,) of the world is over, or has sunk into; None where there is none.
+
+        That is the highest one that spans it, of those that are no more than `EDGE` above it: it may be under a shelf,
+        over a table. One that it was over `before` stays; where all are far above it, it is inside the highest.
+        """
+        x, y, z = (float(v) for v in np.asarray(place, dtype=float))
+        found = sorted((s for s in self.surfaces if s.spans(x, y)), key=lambda s: s.height)
+        near = [s for s in found if s is before or s.height <= z + EDGE]
+        return (near or found)[-1] if found else None
+
     def support(self, disc: Disc) -> float:
         """Height of what lies under a disc's centre: a surface, another disc, the floor."""
         heights = [0.0]
         for surface in self.surfaces:
-            x, y = (inverse(surface.pose) @ disc.pose[:, 3])[:2]
-            if abs(x) <= surface.size[0] / 2 and abs(y) <= surface.size[1] / 2:
-                heights.append(float(surface.pose[2, 3]))
+            if surface.spans(*disc.pose[:2, 3]):
+                heights.append(surface.height)
         for other in self.discs:
             apart = np.hypot(*(other.pose[:2, 3] - disc.pose[:2, 3]))
             if other is not disc and other.state == RESTING and apart < other.radius + disc.radius - 0.5e-3:
@@ -92,6 +117,16 @@ class Fingers:
     def idle(self) -> bool:
         """Whether the fingers stand where they were sent, or on a part."""
         return abs(self.opening - max(self._wanted, self._blocked)) < 1e-9
+
+    @property
+    def hang(self) -> float:
+        """How far what is held reaches beyond the fingertips along the tool's z, m; 0 where nothing is held."""
+        disc = self.held
+        if disc is None:
+            return 0.0
+        T, up = disc.in_tool, abs(float(disc.in_tool[2, 2]))
+        rim = disc.radius * math.sqrt(max(1.0 - up * up, 0.0))
+        return max(float(T[2, 3]) + 0.5 * disc.thickness * up + rim, 0.0)
 
     @property
     def payload(self) -> Array:

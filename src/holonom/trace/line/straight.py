@@ -10,11 +10,11 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from holonom.arrays import LARGEST
 from holonom.trace.line.graph import Graph, Scalar, live_nodes
 
 __all__ = [
     "BLOCK_FLAGS",
-    "LARGEST",
     "SCALAR_FLAGS",
     "TOGETHER",
     "Field",
@@ -28,8 +28,6 @@ __all__ = [
     "straight_line",
 ]
 
-LARGEST = 1e100
-"""Largest length of an input."""
 TOGETHER = (16, 8, 4, 2, 1)
 """Numbers of a row that are written together, best first."""
 Results = Mapping[str, list[str]]
@@ -43,8 +41,8 @@ class Field:
     """A named input or output array of one sample: its shape and whether it holds small integers (`int8`).
 
     An input's length, the root of the sum of its squares, may be up to `bound`: products of larger numbers overflow,
-    and of an angle beyond `REVOLUTION` no revolution can be told. An output that is `checked` is refused where it is
-    not finite.
+    and of an angle beyond `arrays.REVOLUTION` no revolution can be told. An output that is `checked` is refused where
+    it is not finite.
     """
 
     name: str

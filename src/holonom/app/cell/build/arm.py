@@ -78,7 +78,7 @@ def build_arm_job(
     assert isinstance(limits, ArmLimits)
     rated = arm
     arm = arm.with_limits(speed=limits.joint_speed, acceleration=limits.joint_acceleration)
-    program = _program(robot, path, at)
+    program = _program(robot, arm.limits.turns, path, at)
     unreachable = _unreachable(arm, home, robot, program) if mount is None else ()
     ground = _ground(cell, robot, height if mount is not None else None)
     sunk = ground.height - float(frames(arm.model, home.tolist())[-1][1][2])
@@ -106,6 +106,8 @@ def build_arm_job(
         rated=rated,
         hold=robot.hold or 0.0,
         steady=bool(robot.steady_tool),
+        contact_force=limits.contact_force,
+        settle_time=limits.settle_time,
     )
     return ArmBuild(
         job, tuple(f"{called}: {note}" for note in (*arm.model.notes, *notes, *more, *slowed)), tuple(unreachable)
@@ -281,10 +283,10 @@ def _these(names: list[str], joints: int) -> str:
     return "its joints" if len(names) == joints else ", ".join(names)
 
 
-def _program(robot: Robot, path: Path, at: tuple[str | int, ...]) -> Program | None:
+def _program(robot: Robot, turns: tuple[bool, ...], path: Path, at: tuple[str | int, ...]) -> Program | None:
     if robot.program is None:
         return None
-    program = load_program(robot.program.file, robot.program.locations)
+    program = load_program(robot.program.file, robot.program.locations, turns=turns)
     try:
         start(program, entry=robot.program.entry)
     except ProgramFault as fault:

@@ -53,6 +53,7 @@ def _settings(law: Chosen, robot: Robot, levels: Levels) -> ControlSettings:
         law.params,
         law_bandwidth=law.params.law_bandwidth if stated else None,
         following_error=robot.limits.following_error,
+        slide_error=robot.limits.slide_error,
         levels=levels,
     )
     settings.law()

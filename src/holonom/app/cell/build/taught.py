@@ -15,6 +15,8 @@ from holonom.lang import Configuration, Program
 from holonom.lang.program import Operand
 from holonom.machine import branch_joints
 from holonom.mechanics import Arm
+from holonom.model import outside
+from holonom.model.joint_values import in_degrees, range_in_degrees
 
 __all__ = ["taught_problems"]
 
@@ -73,9 +75,10 @@ def _problem(arm: Arm, home: Array, value: Array) -> str | None:
     if value.size != arm.n:
         return f"{value.size} joint values came; the arm has {arm.n} joints"
     limits = arm.limits
-    for name, q, low, high in zip(limits.names, *np.degrees([value, limits.lower, limits.upper]), strict=True):
-        if not low <= q <= high:
-            return f"{q:g} deg came for {name}; {low:g} to {high:g} deg is allowed"
+    for name, turns, *values in zip(limits.names, limits.turns, value, limits.lower, limits.upper, strict=True):
+        if outside(*values):
+            came, allowed = in_degrees(values[0], turns), range_in_degrees(values[1], values[2], turns)
+            return f"{came} came for {name}; {allowed} is allowed"
     return None
 
 

@@ -79,7 +79,13 @@ class ArmLimits(Section):
     rotation_acceleration: Annotated[float, Quantity("angular acceleration", "0.1deg/s2", "100000deg/s2")] = 8.0
     """greatest angular acceleration of the tool on straight lines"""
     following_error: Annotated[float, Quantity("angle", "0.001deg", "90deg")] = 0.1
-    """joint tracking error at which the run stops"""
+    """tracking error of a joint that turns at which the run stops"""
+    slide_error: Annotated[float, Quantity("length", "0.01mm", "1m")] = 0.02
+    """tracking error of a joint that slides at which the run stops"""
+    contact_force: Annotated[float, Quantity("force", "1N", "100kN")] = 150.0
+    """force of the tool on a surface above which the run stops"""
+    settle_time: Annotated[float, Quantity("time", "100ms", "60min")] = 5.0
+    """how long a program waits for the arm to come to rest after its motions before the run stops"""
 
 
 class BaseLimits(Section):

@@ -29,6 +29,7 @@ from holonom.app.fields.units import DIMENSIONS, parse_quantity
 from holonom.control import CONTROLLERS
 from holonom.errors import CellError, OutOfLimits, UnknownName
 from holonom.model import Joint, outside
+from holonom.model.joint_values import looks_like_degrees
 
 __all__ = ["GripperTool", "Robot", "RodTool"]
 
@@ -153,11 +154,15 @@ def _home(given: Any, info: ValidationInfo) -> Any:
         for number, (value, joint) in enumerate(zip(given, joints, strict=True))
     ]
     faults.raise_any()
-    for i, joint, value in zip(source.model.independent, joints, found, strict=True):
-        limits = source.model.limits(i)
-        if outside(value, limits.lower, limits.upper):
-            low, high = (_written(bound, joint) for bound in (limits.lower, limits.upper))
-            raise OutOfLimits(f"{_written(value, joint)} came for {joint.name}; {low} to {high} is allowed")
+    limits = [source.model.limits(i) for i in source.model.independent]
+    for joint, bounds, value in zip(joints, limits, found, strict=True):
+        if outside(value, bounds.lower, bounds.upper):
+            low, high = (_written(bound, joint) for bound in (bounds.lower, bounds.upper))
+            degrees = looks_like_degrees(
+                found, [b.lower for b in limits], [b.upper for b in limits], [j.turns for j in joints]
+            )
+            hint = f"; are these degrees? write {value:g}deg" if degrees else ""
+            raise OutOfLimits(f"{_written(value, joint)} came for {joint.name}; {low} to {high} is allowed{hint}")
     return tuple(found)
 
 
