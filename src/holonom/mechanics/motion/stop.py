@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline  # at once: a stop does not wait for it
 
 from holonom.arrays import Array
 from holonom.mechanics.motion.trajectory import STILL, JointLimits, Trajectory, remainder, standstill
-
-if TYPE_CHECKING:
-    from scipy.interpolate import CubicHermiteSpline
 
 __all__ = ["stop"]
 
