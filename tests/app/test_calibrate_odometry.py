@@ -12,8 +12,7 @@ from mcap.reader import make_reader
 
 from holonom.app.calibrate.odometry import TOPICS, calibrate_odometry
 from holonom.app.odometry_log import OdometryLog, write_log
-from holonom.app.odometry_log.mcap_file import _numbers
-from holonom.app.recording.format.messages import odometry_layout, odometry_plane
+from holonom.app.odometry_log.recorded.truth_messages import poses_of
 from holonom.errors import CalibrationError, LogError, UnknownName
 from holonom.mobile.calibration import Run, drive_parameters
 from holonom.mobile.odometry import integrate
@@ -67,7 +66,7 @@ def test_runs_come_back_as_recordings(log: Path, tmp_path: Path) -> None:
         with path.open("rb") as stream:
             last = {channel.topic: message.data for _, channel, message in make_reader(stream).iter_messages()}
         for topic, found in ends.items():
-            found.append(odometry_plane(_numbers(last[topic], len(odometry_layout().doubles))[None])[0][0])
+            found.append(poses_of("nav_msgs/Odometry", [last[topic]], None, topic)[1][0])
     errors = {topic: np.hypot(*(np.array(found) - ends["/odom"])[:, :2].T).max() for topic, found in ends.items()}
     for topic, which in zip(TOPICS, ("before", "after"), strict=True):
         assert errors[topic] == pytest.approx(first.data[f"errors_{which}"]["max_final_distance_m"], abs=1e-9)

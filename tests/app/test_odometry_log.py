@@ -332,7 +332,6 @@ def test_faults_of_the_description(tmp_path: Path, old: str, new: str, match: st
     [
         ("time,x,left,y,theta", r"run.csv:1: no column right; there is time, x, left, y, theta"),
         ("time,left,right,x,y", r"run.csv:1: no column theta"),
-        ("time,left,right,speed", r"run.csv:1: column speed is unknown"),
         ("time,left,left,right", r"run.csv:1: column 3: there are two columns 'left'"),
         ("time,left,,right", r"run.csv:1: column 3: '' is no name"),
     ],

@@ -27,5 +27,5 @@ BASES = {
     "omni 3": omni(n=3, radius=0.0789, wheel_radius=0.02711, alpha=0.5, mass=6.35, com_height=0.04),
     "omni 6": omni(n=6, radius=0.0789, wheel_radius=0.02711, alpha=0.5, mass=6.35, com_height=0.04),
     "mecanum": mecanum(0.2, 0.16, 0.03, mass=6.35, com_height=0.04),
-    "differential": differential(0.16, 0.03, mass=6.35, com_height=0.04),
+    "differential": differential(0.16, 0.03, mass=6.35),
 }

@@ -245,8 +245,6 @@ def test_solver(seed: int) -> None:
 def test_bad_input() -> None:
     with pytest.raises(ModelError, match="no mass"):
         BasePlant(omni(n=3, radius=0.1, wheel_radius=0.03), DRIVE)
-    with pytest.raises(ModelError, match="centre of mass"):
-        BasePlant(omni(n=3, radius=0.1, wheel_radius=0.03, mass=3.0, com=(0.02, 0.0)), DRIVE)
     with pytest.raises(ModelError, match="steered"):
         BasePlant(ackermann(0.3, 0.2, 0.03, mass=3.0), DRIVE)
     with pytest.raises(ShapeError, match="one column per motor"):

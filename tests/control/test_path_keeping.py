@@ -11,16 +11,14 @@ from hypothesis import strategies as st
 
 from holonom.control.base_kernels import (
     Planar,
-    allocation,
     estimate_step,
-    feasible_rate,
-    force_part,
     ground_speed,
     keeping_step,
     pose_step,
     reference_at,
     wanted_acceleration,
 )
+from holonom.control.force_kernels import Body, allocation, feasible_rate, force_part, wrench_of
 from holonom.control.path_keeping import EstimateSettings, KeepingSettings
 from holonom.errors import OutOfLimits
 
@@ -160,9 +158,9 @@ def test_a_slower_reference_needs_its_rate_squared() -> None:
     share = np.zeros((4, 3))
     allocation(ROWS, np.ones(4), share)
     worst = max(abs(ground_speed(share, i, Planar(2.0 * 5.0, 0.0, 0.0))) for i in range(4))
-    assert feasible_rate(share, reference, 0, 5.0, 0.1, 0.25 * worst) == pytest.approx(0.5)
-    assert feasible_rate(share, reference, 0, 5.0, 0.1, 2.0 * worst) == 1.0
-    assert force_part(share, Planar(10.0, 0.0, 0.0), 0.5 * worst) == pytest.approx(0.5)
+    assert feasible_rate(share, reference, 0, Body(5.0, 0.1, 0.0, 0.0), np.full(4, 0.25 * worst)) == pytest.approx(0.5)
+    assert feasible_rate(share, reference, 0, Body(5.0, 0.1, 0.0, 0.0), np.full(4, 2.0 * worst)) == 1.0
+    assert force_part(share, Planar(10.0, 0.0, 0.0), np.full(4, 0.5 * worst)) == pytest.approx(0.5)
 
 
 def test_bad_settings() -> None:
@@ -170,3 +168,13 @@ def test_bad_settings() -> None:
         KeepingSettings(bandwidth=0.0)
     with pytest.raises(OutOfLimits, match="max_pull"):
         EstimateSettings(max_pull=-1.0)
+
+
+@given(small, small, small, small, small, small)
+def test_a_wrench_is_newtons_and_eulers(ax: float, ay: float, wd: float, w: float, x: float, y: float) -> None:
+    """By d/dt of momentum and of angular momentum about a fixed point, in complex numbers."""
+    mass, inertia, c = 3.0, 0.05, complex(x, y)
+    a = complex(ax, ay) + 1j * wd * c - w * w * c  # of the centre of mass
+    found = wrench_of(Body(mass, inertia, x, y), Planar(ax, ay, wd), w)
+    assert complex(found.x, found.y) == pytest.approx(mass * a)
+    assert found.turn == pytest.approx(inertia * wd + mass * (c.conjugate() * a).imag)

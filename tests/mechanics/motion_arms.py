@@ -66,7 +66,7 @@ class Gantry:
         assert frame == "world"
         return np.broadcast_to(np.eye(6, 3), (*q.shape[:-1], 6, 3))
 
-    def ik(self, T: Array) -> Solutions:
+    def ik(self, T: Array, q0: Array) -> Solutions:
         return Solutions(T[..., None, :3, 3], np.zeros((*T.shape[:-2], 1), dtype=np.int64))
 
 
@@ -89,7 +89,7 @@ class GantryWrist:
         J[..., 3:, 5] = (first @ rot_y(q[..., 4]))[..., :, 2]
         return J
 
-    def ik(self, T: Array) -> Solutions:
+    def ik(self, T: Array, q0: Array) -> Solutions:
         R, p = T[..., :3, :3], T[..., :3, 3]
         q = np.empty((*T.shape[:-2], 2, 6))
         for branch, sign in enumerate((1.0, -1.0)):
@@ -121,7 +121,7 @@ class Scara:
         J[..., 5, [0, 1, 3]] = 1.0
         return J
 
-    def ik(self, T: Array) -> Solutions:
+    def ik(self, T: Array, q0: Array) -> Solutions:
         x, y, z = T[..., 0, 3], T[..., 1, 3], T[..., 2, 3]
         cosine = (x * x + y * y - 0.4**2 - 0.3**2) / (2 * 0.4 * 0.3)
         q = np.empty((*T.shape[:-2], 2, 4))

@@ -176,8 +176,8 @@ def test_a_singular_start_that_joint_4_would_have_to_jump_from_is_refused() -> N
 class Swapping(GantryWrist):
     """Loses the order of its branches halfway."""
 
-    def ik(self, T: np.ndarray) -> Solutions:
-        solutions = super().ik(T)
+    def ik(self, T: np.ndarray, q0: np.ndarray) -> Solutions:
+        solutions = super().ik(T, q0)
         half = len(T) // 2
         return Solutions(np.concatenate([solutions.q[:half], solutions.q[half:, ::-1]]), solutions.status)
 

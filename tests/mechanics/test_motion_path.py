@@ -154,7 +154,7 @@ class Seven:
         J = ARM.jacobian(np.asarray(q)[..., :6], frame=frame)
         return np.concatenate([J, J[..., :1]], axis=-1)
 
-    def ik(self, T: np.ndarray) -> None:
+    def ik(self, T: np.ndarray, q0: np.ndarray) -> None:
         raise InputError("no closed form")
 
 
@@ -174,7 +174,7 @@ def test_out_of_reach_without_closed_form_says_where() -> None:
         def jacobian(self, q: np.ndarray, *, frame: str) -> np.ndarray:
             return np.array(Gantry.jacobian(self, q, frame=frame))
 
-        def ik(self, T: np.ndarray) -> None:
+        def ik(self, T: np.ndarray, q0: np.ndarray) -> None:
             raise InputError("no closed form")
 
     arm = Flat(limits_of(3))

@@ -20,6 +20,7 @@ from holonom.mobile.drive.envelopes import (
     speed_envelope,
 )
 from holonom.mobile.drive.limits import DriveLimits, drive_limits
+from holonom.mobile.stability import Stance
 
 MOTOR = DcMotor(1.2, 0.56e-3, 0.0255, 0.0255, 92.5e-7, 24.0, 4.0, 0.1)
 GEAR = Gear(4.5, 0.9)
@@ -155,8 +156,10 @@ def test_load_moves_back_with_the_acceleration():
     places = 0.09 * np.column_stack([np.cos(phi), np.sin(phi)])
     assert high.loads.sum() == pytest.approx(2.5 * GRAVITY)
     np.testing.assert_allclose(high.loads @ places, 2.5 * GRAVITY * np.array([0.005, -0.01]), atol=1e-12)
-    np.testing.assert_allclose(high.transfer.sum(axis=0), 0.0, atol=1e-12)
-    np.testing.assert_allclose(places.T @ high.transfer, -2.5 * 0.06 * np.eye(2), atol=1e-12)
+    assert high.stance is not None
+    moved = np.array([high.stance.loads(a)[0] - high.loads for a in np.eye(2)])
+    np.testing.assert_allclose(moved.sum(axis=1), 0.0, atol=1e-12)
+    np.testing.assert_allclose(moved @ places, -2.5 * 0.06 * np.eye(2), atol=1e-12)
     phi = AROUND
     flat = acceleration_envelope(base, phi, DriveLimits(MOTOR, GEAR, 0.027, 2.5, 0.3, high.loads))
     tall = acceleration_envelope(base, phi, high)
@@ -207,8 +210,10 @@ def test_errors_name_the_cause():
         limits(-0.1)
     with pytest.raises(ShapeError, match="loads"):
         limits(0.5, -1.0)
-    with pytest.raises(ShapeError, match="transfer"):
-        limits(0.5, transfer=np.zeros((3, 2)))
+    with pytest.raises(ShapeError, match="roller_angles"):
+        limits(0.5, roller_angles=np.zeros(3))
+    with pytest.raises(ShapeError, match="stance has 3 driven wheels"):
+        limits(0.5, stance=Stance(np.eye(4, 2), 20.0, 0.0, (0, 1, 2)))
     assert effective_motors(Coupling(np.eye(3)), [0.0])[0] == pytest.approx(1.0)
 
 

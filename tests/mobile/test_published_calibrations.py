@@ -1,10 +1,12 @@
-"""Calibrations beside those that OptiOdom publishes for its logs: no column worse, or by as much as is said here."""
+"""Calibrations on OptiOdom's logs: errors before as published, on sets not seen, and published errors kept on demand.
+
+How well a calibration fits the runs that it was made from says nothing of how good it is: no published column is to be
+beaten there.
+"""
 
 from __future__ import annotations
 
-from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ from scipy.optimize import linprog
 from holonom.app.calibrate.odometry import calibrate_odometry
 from holonom.app.odometry_log import read_log
 from holonom.errors import CalibrationError
-from holonom.mobile.calibration import calibrate
+from holonom.mobile.calibration import calibrate, dead_reckoning, drive_parameters, path_errors
 
 HEADINGS = {  # OptiOdom, published_results: headings on the way and at the end before calibration, deg
     "tricyc/circular/140120211440": (107.129424, 101.338803),
@@ -26,64 +28,74 @@ HEADINGS = {  # OptiOdom, published_results: headings on the way and at the end 
     "diff/ivanjko/231220200104": (7.091882, 2.601035),
 }
 
-# Every published method of every set that is here: distance (m) and heading (deg) on the way, and the same at the end,
-# each the largest over the runs; last what ours may be, in multiples of it, where it is not the better one.
+# Every published method of every set that is here: distance (m) and heading (deg) on the way, and the same at the end.
 PUBLISHED = [
-    ("tricyc/circular/140120211440", "Kallasi", (0.145148, 6.247064, 0.053022, 3.675631), {}),
-    ("tricyc/circular/140120211440", "Sousa", (0.129887, 7.378095, 0.037197, 7.091199), {}),
-    ("tricyc/square/140120211446", "Kallasi", (0.212335, 24.208987, 0.082691, 0.558982), {}),
-    ("tricyc/square/140120211446", "Sousa", (0.162686, 20.382705, 0.119447, 5.563135), {"heading": 1.151}),
-    ("omni3/circular/221220201730", "Lin", (0.117556, 2.718219, 0.108121, 1.627792), {}),
-    ("omni3/circular/221220201730", "Sousa", (0.071998, 9.901522, 0.059051, 9.80752), {}),
-    ("omni4/circular/231220200510", "Lin", (0.037305, 6.480174, 0.02917, 0.971383), {}),
-    ("omni4/circular/231220200510", "Sousa", (0.037665, 6.007475, 0.03031, 1.093602), {}),
-    ("omni4/square/080920201205", "Lin", (0.058858, 8.196471, 0.046421, 0.606588), {}),
-    ("omni4/square/080920201205", "Sousa", (0.052558, 8.353055, 0.028682, 2.42252), {}),
-    ("diff/square/230620202042", "UMBmark", (0.022345, 1.760155, 0.007157, 0.874296), {}),
-    ("diff/square/230620202042", "Jung", (0.026533, 3.745866, 0.024596, 2.355391), {}),
-    ("diff/square/230620202042", "Sousa", (0.019036, 1.878044, 0.00716, 0.422518), {}),
-    ("diff/square/231220200045", "UMBmark", (0.049823, 3.556827, 0.020285, 1.443283), {}),
-    ("diff/square/231220200045", "Jung", (0.047447, 2.432634, 0.014547, 0.167984), {}),
-    ("diff/square/231220200045", "Sousa", (0.043824, 2.651888, 0.023774, 0.498523), {}),
+    ("tricyc/circular/140120211440", "Kallasi", (0.145148, 6.247064, 0.053022, 3.675631)),
+    ("tricyc/circular/140120211440", "Sousa", (0.129887, 7.378095, 0.037197, 7.091199)),
+    ("tricyc/square/140120211446", "Kallasi", (0.212335, 24.208987, 0.082691, 0.558982)),
+    ("tricyc/square/140120211446", "Sousa", (0.162686, 20.382705, 0.119447, 5.563135)),
+    ("omni3/circular/221220201730", "Lin", (0.117556, 2.718219, 0.108121, 1.627792)),
+    ("omni3/circular/221220201730", "Sousa", (0.071998, 9.901522, 0.059051, 9.80752)),
+    ("omni4/circular/231220200510", "Lin", (0.037305, 6.480174, 0.02917, 0.971383)),
+    ("omni4/circular/231220200510", "Sousa", (0.037665, 6.007475, 0.03031, 1.093602)),
+    ("omni4/square/080920201205", "Lin", (0.058858, 8.196471, 0.046421, 0.606588)),
+    ("omni4/square/080920201205", "Sousa", (0.052558, 8.353055, 0.028682, 2.42252)),
+    ("diff/square/230620202042", "UMBmark", (0.022345, 1.760155, 0.007157, 0.874296)),
+    ("diff/square/230620202042", "Jung", (0.026533, 3.745866, 0.024596, 2.355391)),
+    ("diff/square/230620202042", "Sousa", (0.019036, 1.878044, 0.00716, 0.422518)),
+    ("diff/square/231220200045", "UMBmark", (0.049823, 3.556827, 0.020285, 1.443283)),
+    ("diff/square/231220200045", "Jung", (0.047447, 2.432634, 0.014547, 0.167984)),
+    ("diff/square/231220200045", "Sousa", (0.043824, 2.651888, 0.023774, 0.498523)),
     (
         "diff/ivanjko/231220200104",
         "Ivanjko",
         (0.011552, 7.179304, 0.002426, 0.152058),
-        {"distance": 1.0001, "final heading": 1.001},
     ),
     (
         "diff/ivanjko/231220200104",
         "Sousa",
         (0.011532, 7.093278, 0.002799, 2.564843),
-        {"distance": 1.002, "heading": 1.013},
     ),
 ]
 ROWS = [f"{p[0]} {p[1]}" for p in PUBLISHED]
-MEASURES = ("distance", "heading", "final distance", "final heading")
 
 
-@cache
-def by_the_command(folder: Path) -> dict[str, Any]:
-    """What the command finds when nothing else is said."""
-    return calibrate_odometry([folder]).data
-
-
-@pytest.mark.parametrize(("folder", "method", "published", "worse"), PUBLISHED, ids=ROWS)
-def test_at_least_as_good_as_published(data_folder: Path, folder: str, method: str, published, worse) -> None:
-    """In every column but the named ones, and in those worse by as much as is said here, and not better."""
-    data = by_the_command(data_folder / "odometry" / "optiodom" / folder)
-    before, after = (
-        [errors[key] for key in data["limits"]] for errors in (data["errors_before"], data["errors_after"])
-    )
-    for our, their in zip(before[1::2], HEADINGS[folder], strict=True):
+@pytest.mark.parametrize("folder", HEADINGS)
+def test_headings_before_calibration_are_the_published_ones(data_folder: Path, folder: str) -> None:
+    data = calibrate_odometry([data_folder / "odometry" / "optiodom" / folder]).data
+    assert set(data["limits"].values()) == {None}  # plain least squares, unless limits are asked for
+    assert data["growth"] == 0.0
+    for our, their in zip(
+        (data["errors_before"][key] for key in ("max_heading_deg", "max_final_heading_deg")),
+        HEADINGS[folder],
+        strict=True,
+    ):
         assert their is None or our == pytest.approx(their, abs=1e-3)
-    for name, our, their in zip(MEASURES, after, published, strict=True):
-        assert our <= worse.get(name, 1.0) * their, name
-        assert name not in worse or our > their, f"{name} is better now: say so"
 
 
-@pytest.mark.parametrize(("folder", "method", "published", "worse"), PUBLISHED, ids=ROWS)
-def test_published_errors_are_kept_as_limits(data_folder: Path, folder: str, method: str, published, worse) -> None:
+ACROSS = [  # sets of one robot: calibrated by one, driven by the other
+    ("diff/square/230620202042", "diff/square/231220200045"),
+    ("diff/square/231220200045", "diff/square/230620202042"),
+    ("tricyc/circular/140120211440", "tricyc/square/140120211446"),
+    ("tricyc/square/140120211446", "tricyc/circular/140120211440"),
+]
+
+
+@pytest.mark.parametrize(("fitted", "other"), ACROSS, ids=[f"{a} on {b}" for a, b in ACROSS])
+def test_a_calibration_holds_on_a_set_that_it_has_not_seen(data_folder: Path, fitted: str, other: str) -> None:
+    """Distances of the other set, by the same robot on another day or path, become less than without calibration."""
+    own, unseen = (read_log([data_folder / "odometry" / "optiodom" / name]) for name in (fitted, other))
+    found = calibrate(own.runs, own.drive, own.nominal)
+    before, after = (
+        path_errors(unseen.runs, [dead_reckoning(run, M) for run in unseen.runs])
+        for M in (drive_parameters(own.drive, own.nominal).matrix(found.nominal), found.matrix)
+    )
+    assert after.distance < before.distance
+    assert after.final_distance < before.final_distance
+
+
+@pytest.mark.parametrize(("folder", "method", "published"), PUBLISHED, ids=ROWS)
+def test_published_errors_are_kept_as_limits(data_folder: Path, folder: str, method: str, published) -> None:
     """All four columns of any published method at once, where they are asked for."""
     data = calibrate_odometry([data_folder / "odometry" / "optiodom" / folder], limits=published).data
     assert [data["errors_after"][key] <= limit for key, limit in zip(data["limits"], published, strict=True)] == [
@@ -116,5 +128,5 @@ def test_two_published_methods_no_odometry_beats_both(
     assert best.status == 0
     assert best.fun == pytest.approx(least, abs=1e-3)
     limits = [np.inf, np.radians(way), np.inf, np.radians(end)]
-    with pytest.raises(CalibrationError, match="no extended parameters near the least squares keep all errors within"):
+    with pytest.raises(CalibrationError, match=r"no extended parameters near the least squares keep|does not tell"):
         calibrate(log.runs, log.drive, log.nominal, set_name="extended", limits=limits)

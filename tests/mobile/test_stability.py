@@ -5,6 +5,7 @@ import pytest
 from bases import presets
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from scipy.optimize import linprog, nnls
 
 from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError
 from holonom.mobile.arrangements import ackermann, differential, mecanum, omni, sphere
@@ -95,11 +96,14 @@ def test_loads_balance_force_and_moments(points, com):
     p = np.array(points)
     assume(np.linalg.svd(p - p.mean(axis=0), compute_uv=False)[1] > 0.05)
     base = on(points, mass=10.0, com=com)
+    if static_margin(base) < -1e-9:
+        with pytest.raises(OutOfLimits, match="tips over"):
+            wheel_loads(base)
+        return
     loads = wheel_loads(base)
+    assert loads.min() >= 0.0
     np.testing.assert_allclose(loads.sum(), 98.1, rtol=1e-9)
-    np.testing.assert_allclose(loads @ p, 98.1 * np.array(com), atol=1e-8)
-    if len(points) == 3:
-        assert (loads.min() >= -1e-9) == (static_margin(base) >= -1e-9)
+    np.testing.assert_allclose(loads @ p, 98.1 * np.array(com), atol=1e-6)
 
 
 def test_what_cannot_stand_or_has_no_mass_is_refused():
@@ -131,3 +135,34 @@ def test_even_bases_share_the_load_evenly():
     base = mecanum(0.4, 0.3, 0.05, mass=8.0, com_height=0.1)
     np.testing.assert_allclose(wheel_loads(base), 8.0 * 9.81 / 4)
     assert wheel_loads(base, np.zeros((5, 2))).shape == (5, 4)
+
+
+SIX = [(0.5, 0.3), (0.5, -0.3), (0.0, 0.3), (0.0, -0.3), (-0.5, 0.3), (-0.5, -0.3)]
+
+
+def test_wheels_only_push():
+    """Braking at 8 m/s2 the rear wheels have lifted: by hand, front pair N1 and middle pair N2 carry it all."""
+    base = on(SIX, mass=100.0, com_height=0.5)
+    loads = wheel_loads(base, [-8.0, 0.0])
+    # the force passes 0.5 * 8 / 9.81 m ahead of the middle: N1 * 0.5 = 981 * 0.40775, the rear pair would have to pull
+    front = 981.0 * 8.0 * 0.5 / 9.81 / 0.5 / 2.0
+    np.testing.assert_allclose(loads, [front, front, 490.5 - front, 490.5 - front, 0.0, 0.0], atol=1e-6)
+
+
+@given(st.integers(0, 10**6), st.integers(3, 8))
+def test_loads_are_those_of_nonnegative_least_squares(seed, n):
+    """Lawson & Hanson's algorithm with the balance as heavy rows; a linear program says where none balance."""
+    rng = np.random.default_rng(seed)
+    p, a = rng.uniform(-1.0, 1.0, (n, 2)), rng.uniform(-12.0, 12.0, 2)
+    assume(np.linalg.svd(p - p.mean(axis=0), compute_uv=False)[1] > 0.1)
+    base = on([tuple(q) for q in p], mass=10.0, com_height=0.4)
+    A, b = np.vstack([np.ones(n), p.T]), 98.1 * np.array([1.0, *(-0.4 / 9.81 * a)])
+    stands = linprog(np.zeros(n), A_eq=A, b_eq=b, bounds=(0.0, None)).status == 0
+    assume(abs(dynamic_margin(base, a)) > 1e-6)
+    if not stands:
+        with pytest.raises(OutOfLimits, match="tips over"):
+            wheel_loads(base, a)
+        return
+    heavy = 1e6
+    expected, _ = nnls(np.vstack([heavy * A, np.eye(n)]), np.concatenate([heavy * b, np.zeros(n)]))
+    np.testing.assert_allclose(wheel_loads(base, a), expected, atol=1e-3)

@@ -16,7 +16,18 @@ from holonom.mechanics import Arm
 from holonom.mobile import BaseDrive, BaseSensors, WheelBase
 from holonom.sim import BaseFault, Disc, Floor, Gripper, Ground, Surface
 
-__all__ = ["ArmJob", "BaseJob", "FieldPlace", "Job", "Mount", "Obstacle", "SensorJob", "SignalEvent", "Task"]
+__all__ = [
+    "ArmJob",
+    "BaseJob",
+    "FieldPlace",
+    "Job",
+    "Mount",
+    "Obstacle",
+    "PathTolerance",
+    "SensorJob",
+    "SignalEvent",
+    "Task",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,13 +91,23 @@ class ArmJob:
 
 
 @dataclass(frozen=True, slots=True)
+class PathTolerance:
+    """How far from its path a base may be: position, m, and heading, rad."""
+
+    position: float
+    heading: float
+
+
+@dataclass(frozen=True, slots=True)
 class Task:
     """What a base is to do: one of a path, velocities (rows time, vx, vy, w from its start on) and holding (s).
 
-    It begins at `start` (s), or when signal `after` goes on; at its end signal `done` is switched on.
+    It begins at `start` (s), or when signal `after` goes on; at its end signal `done` is switched on. A path without a
+    tolerance is not judged.
     """
 
     path: ReferencePath | None = None
+    tolerance: PathTolerance | None = None
     velocities: Array | None = None
     hold: float | None = None
     start: float = 0.0

@@ -151,8 +151,13 @@ def _breaks(job: Job) -> list[bool]:
 
 
 def _unhandled(job: Job) -> Job:
-    """The same job with bases that do nothing about slip and lost motors."""
-    bases = [dataclasses.replace(base, settings=base.settings.without_motors()) for base in job.bases]
+    """The same job with bases that do nothing about slip and lost motors, and are not judged by their paths."""
+    bases = [
+        dataclasses.replace(
+            base, settings=base.settings.without_motors(), task=dataclasses.replace(base.task, tolerance=None)
+        )
+        for base in job.bases
+    ]
     return dataclasses.replace(job, bases=tuple(bases))
 
 

@@ -68,8 +68,13 @@ class BaseLoop:
         run_ticks(*self._arguments(), self.plant.noise(ticks))
 
     def advance_logged(self, log: LogBuffer) -> int:
-        """Drive on until the buffer is full or the path ends; return the milliseconds it took."""
+        """Drive on until the buffer is full, the path ends or the base tips; return the milliseconds it took."""
         return int(run_logged(*self._arguments(), self.plant.noise(len(log.body)), log))
+
+    @property
+    def going_on(self) -> bool:
+        """Whether its path is under way, and the base on its wheels."""
+        return self.controller.ending == RUNNING and self.plant.tipped is None
 
     @property
     def time(self) -> float:
@@ -117,8 +122,8 @@ def simulate_base(
     Controller at 1 kHz: encoders, gyro, accelerometers and shunts; slip detection; watch over the motors; velocity
     and pose by dead reckoning without the slipping wheel; path keeping; forces by the wheels that work; traction
     control; speed loops. It is told of no fault and no patch. Where the motors that are left cannot give the path's
-    accelerations it is driven slower (same curve), for at most five times as long; a jammed wheel stops the base. The
-    log's `ended` and `driven` say how it went. Plant at 1 kHz times `substeps`.
+    accelerations it is driven slower (same curve), for at most five times as long; a jammed wheel stops the base, and
+    one that tips over ends the run. The log's `ended` and `driven` say how it went. Plant at 1 kHz times `substeps`.
 
     Parameters
     ----------
@@ -152,7 +157,8 @@ def simulate_base(
     loop.place(reference[0, :3], reference[0, 3:6])
     controller.follow_path(reference)
     log = _whole(loop, len(reference))
-    time, ended = TICK * np.arange(len(log.body), dtype=np.float64), ENDINGS[controller.ending]
+    time = TICK * np.arange(len(log.body), dtype=np.float64)
+    ended = ENDINGS[controller.ending] if plant.tipped is None else "tipped"
     driven = 1.0 if ended == "done" else DrivenPart(path)(float(controller.state["phase"][0]))
     events = [Event(f.time, "warning", "plant", _fault_text(f, plant)) for f in faults]
     events += _ending_events(ended, driven, float(time[-1]))
@@ -164,9 +170,9 @@ def _whole(loop: BaseLoop, length: int) -> LogBuffer:
     """Log to the end of a path of some samples, in buffers as long as it is, or until it takes too long."""
     left = math.ceil(length / SLOWEST)
     logs: list[LogBuffer] = []
-    while left > 0 and (not logs or loop.controller.ending == RUNNING):
+    while left > 0 and (not logs or loop.going_on):
         log, done = loop.buffer(min(length, left)), 0
-        while done < len(log.body) and loop.controller.ending == RUNNING:  # little noise at a time stays in the cache
+        while done < len(log.body) and loop.going_on:  # little noise at a time stays in the cache
             done += loop.advance_logged(log.part(done, done + PIECE))
         logs.append(log.part(0, done))
         left -= done
@@ -194,6 +200,7 @@ class DrivenPart:
 def _ending_events(ended: str, driven: float, time: float) -> list[Event]:
     """What cut a run short; nothing where it went to the end of the path."""
     texts = {
+        "tipped": f"tipped over after {100.0 * driven:.0f} % of the path",
         "jammed": f"stopped with a jammed wheel after {100.0 * driven:.0f} % of the path",
         "cut off": f"cut off after {100.0 * driven:.0f} % of the path: driven too slowly, it takes more than "
         f"{1.0 / SLOWEST:g} times its time",

@@ -66,14 +66,17 @@ def run_logged(
     noise: Array,
     log: LogBuffer,
 ) -> int:
-    """Drive on until the log is full or the path ends, which `control` then says; return the milliseconds it took."""
+    """Drive on until the log is full, the path ends, which `control` then says, or the base tips over.
+
+    Return the milliseconds it took.
+    """
     params, task, signals, work, plant = borrowed((params, task, signals, work, plant))
     for k in range(len(log.body)):
         control[0].ended = path_ending(control[0], task.path)
-        if control[0].ended != RUNNING:
+        if control[0].ended != RUNNING or body[0].tipped != 0:
             return k
         control_step(params, task, signals, control, known, seen, work)
-        log_body(body[0], log.body[k])
+        log_body(plant.body[0], body[0], log.body[k])
         log_wheels(wheels, log.wheels[k])
         say(control[0], known, seen, log.controlled[k], log.seen[k])
         advance(plant, body, wheels, signals, noise[k])

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.arrays import Array
-from holonom.mobile import SlipStatus
+from holonom.mobile import SlipStatus, WheelBase
+from holonom.mobile.drive.failed_motor import motors_hold_all
 from holonom.signals import Event
 
 __all__ = ["BaseWords"]
@@ -26,10 +27,14 @@ class BaseWords:
         Names of the driven wheels.
     slips
         Slip speed, m/s, from which on a wheel truly slips: there friction is largest.
+    base
+        Whose motors are lost; None: what that means for it is not said.
+    keep
+        What it keeps then, one of `machine.base.settings.KEEP`.
     """
 
-    def __init__(self, wheels: Sequence[str], slips: float) -> None:
-        self._wheels, self._limit = tuple(wheels), slips
+    def __init__(self, wheels: Sequence[str], slips: float, base: WheelBase | None = None, keep: str = "both") -> None:
+        self._wheels, self._limit, self._base, self._keep = tuple(wheels), slips, base, keep
         self._last_text, self._silent = "", 0
         self._slipping = np.zeros(len(wheels), np.int64)  # ms for which each goes on slipping
         self._most = np.zeros(len(wheels))  # m/s, largest slip since it began
@@ -92,9 +97,17 @@ class BaseWords:
         for k in np.flatnonzero(np.diff(lost, prepend=self._lost)):
             for name in self._members(int(lost[k] & ~self._lost)):
                 jammed = name in self._members(int(controlled["jams"][k]))
-                text = f"the motor of {name} does not do as told; {_go_on(jammed, goal)}"
+                more = self._lame(self._lost | int(lost[k])) if not jammed else ""
+                text = f"the motor of {name} does not do as told; {_go_on(jammed, goal)}{more}"
                 yield Event(1e-3 * (first + k), "error", "motor watch", text)
             self._lost |= int(lost[k])
+
+    def _lame(self, lost: int) -> str:
+        """What the motors that are left cannot do any more."""
+        if self._base is None or motors_hold_all(self._base, lost):
+            return ""
+        kept = {"path": "the path is kept", "heading": "the heading is kept", "both": "both are asked for"}[self._keep]
+        return f"; the others cannot hold path and heading at once, {kept}"
 
     def _members(self, wheels: int) -> list[str]:
         return [name for i, name in enumerate(self._wheels) if (wheels >> i) & 1]

@@ -9,8 +9,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from holonom.arrays import Array
 from holonom.trace.code.compiled import select, sincos
 from holonom.trace.code.loops import loop
@@ -25,10 +23,7 @@ __all__ = [
     "Suspicion",
     "TractionParams",
     "WatchParams",
-    "allocation",
     "estimate_step",
-    "feasible_rate",
-    "force_part",
     "ground_speed",
     "keeping_step",
     "line_keeping_step",
@@ -184,7 +179,7 @@ def line_keeping_step(
         0.0,
         before.turn + _clip(rate - before.turn, dt * params.max_turn_acceleration),
     )
-    return command, Planar(reference[6], 0.0, reference[8]), Planar(0.0, 0.0, 0.0)
+    return command, Planar(reference[6], reference[7], reference[8]), Planar(0.0, 0.0, 0.0)
 
 
 @loop(error_model="numpy")
@@ -197,50 +192,6 @@ def wanted_acceleration(params: KeepingParams, command: Planar, twist: Planar, a
     )
     turn = _clip(ahead.turn + params.turn_rate_gain * (command.turn - twist.turn), params.max_turn_acceleration)
     return Planar(ax, ay, turn)
-
-
-@loop(error_model="numpy")
-def allocation(rows: Array, weights: Array, out: Array) -> None:
-    """Fill `out` (m, 3): rim forces (N) per force and torque on the base, `f = W D (D^T W D)^-1 F`.
-
-    The forces of least weighted square that make F; a wheel of weight 0 takes no part. With fewer than three
-    wheels left not every F can be made: those that can are, within 1 in 10^6.
-    """
-    a = np.zeros((3, 3))
-    for i in range(rows.shape[0]):
-        for j in range(3):
-            for k in range(3):
-                a[j, k] += weights[i] * rows[i, j] * rows[i, k]
-    for j in range(3):
-        a[j, j] = a[j, j] * (1.0 + 1e-6) + 1e-12
-    inverse = np.linalg.inv(a)
-    for i in range(rows.shape[0]):
-        for j in range(3):
-            out[i, j] = weights[i] * (
-                rows[i, 0] * inverse[0, j] + rows[i, 1] * inverse[1, j] + rows[i, 2] * inverse[2, j]
-            )
-
-
-@loop(error_model="numpy")
-def force_part(share: Array, wanted: Planar, limit: float) -> float:
-    """Part (0 to 1) of a wanted force (N, N, N m) that no wheel needs more than `limit` (N) for."""
-    worst = limit
-    for i in range(share.shape[0]):
-        worst = max(worst, abs(ground_speed(share, i, wanted)))
-    return limit / worst
-
-
-@loop(error_model="numpy")
-def feasible_rate(share: Array, reference: Array, first: int, mass: float, inertia: float, limit: float) -> float:
-    """Part (0 to 1) of its speed at which the rest of a reference (N, 9) can be driven with forces up to `limit` (N).
-
-    Driven at a rate r, a path needs r^2 of its accelerations.
-    """
-    part = 1.0
-    for k in range(first, reference.shape[0]):
-        a = reference[k]
-        part = min(part, force_part(share, Planar(mass * a[6], mass * a[7], inertia * a[8]), limit))
-    return math.sqrt(part)
 
 
 @loop(error_model="numpy")

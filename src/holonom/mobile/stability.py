@@ -1,23 +1,28 @@
 """Whether a base stands: support polygon, margins at rest and under acceleration, wheel loads.
 
+Wheels only push: loads are those of equal springs under a rigid body, none of which can pull.
+
 The base is one rigid body on a plane floor; `acceleration` (ax, ay) is that of its centre of mass along the axes of
 base_link, the centripetal one included. It tips where the zero-moment point leaves the support polygon (Vukobratović).
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from holonom.arrays import Array, finite, is_finite, shown, vectors
 from holonom.errors import InputError, ModelError, OutOfLimits
 from holonom.geometry import hull, margin, normals_and_offsets
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.model.gravity import GRAVITY
+from holonom.numeric.contact_loads import pushing_loads
 
 __all__ = [
-    "acceleration_limit", "contact_points", "dynamic_margin", "lateral_limit", "static_margin", "support_polygon",
-    "turning_speed", "wheel_loads", "zero_moment_point",
+    "Stance", "acceleration_limit", "contact_points", "dynamic_margin", "lateral_limit", "static_margin",
+    "support_polygon", "turning_speed", "wheel_loads", "zero_moment_point",
 ]  # fmt: skip
 
 
@@ -143,8 +148,8 @@ def wheel_loads(
 ) -> Array:  # fmt: skip
     """Vertical forces (..., wheels), N, with which the floor carries the wheels.
 
-    Of more than three wheels, the distribution of least norm: that of equally stiff wheels. One below zero says that
-    its wheel lifts off.
+    Of more than three wheels, the distribution of least square sum among those that only push: that of equally stiff
+    wheels. One at zero has lifted off.
 
     Parameters
     ----------
@@ -154,6 +159,8 @@ def wheel_loads(
     ------
     InputError
         The base states no mass.
+    OutOfLimits
+        The base tips over.
     ModelError
         See `support_polygon`.
     """
@@ -162,10 +169,28 @@ def wheel_loads(
     support_polygon(base, castors)
     points = contact_points(base, castors)
     zmp = zero_moment_point(base, acceleration, com=com, com_height=com_height)
-    middle = points.mean(axis=0)
-    balance = np.concatenate([np.ones((1, len(points))), (points - middle).T])  # force, and moments about the middle
-    asked = np.concatenate([np.ones((*zmp.shape[:-1], 1)), zmp - middle], axis=-1) * base.mass * GRAVITY
-    return asked @ np.linalg.pinv(balance).T
+    loads, stands = pushing_loads(points, zmp)
+    if not np.all(stands):
+        x, y = zmp.reshape(-1, 2)[int(np.argmin(stands))].tolist()
+        raise OutOfLimits(
+            f"base {base.name!r} tips over: its zero-moment point ({x:.4g}, {y:.4g}) m lies outside its support "
+            "polygon; move its centre of mass between the wheels, build lower, or accelerate less"
+        )
+    return loads * base.mass * GRAVITY
+
+
+class Stance(NamedTuple):
+    """How a base stands: contacts (w, 2) m about its centre of mass, weight N, height m, which wheels are driven."""
+
+    points: Array
+    weight: float
+    height: float
+    driven: tuple[int, ...]
+
+    def loads(self, acceleration: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Loads (..., n), N, of the driven wheels at accelerations (..., 2) of the centre of mass; if it stands."""
+        shares, stands = pushing_loads(self.points, -self.height / GRAVITY * acceleration)
+        return self.weight * shares[..., list(self.driven)], stands
 
 
 def _height(base: WheelBase, com_height: float | None) -> float:

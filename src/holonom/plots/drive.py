@@ -14,6 +14,7 @@ from holonom.errors import InputError, ShapeError
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.coupling import Coupling, coupling_of
 from holonom.mobile.drive.envelopes import Envelope, Limit, effective_motors
+from holonom.mobile.drive.failed_motor import motors_hold_all
 from holonom.mobile.drive.slip import SlipReport, SlipStatus
 from holonom.plots.figure import COLORS, new_figure, saved
 
@@ -32,7 +33,8 @@ def draw_effective_motors(
     """Draw the effective number of motors by direction; with `out`, also without those motors.
 
     Forwards (x of base_link) is up, left is left. Short lines show where each wheel drives. Wheels are called by their
-    names in the base, or numbered from 1.
+    names in the base, or numbered from 1. Where motors that are left cannot push the base every way without turning it,
+    their line is left out, and the legend says so.
 
     Raises
     ------
@@ -43,11 +45,16 @@ def draw_effective_motors(
     figure, axes = _polar(5.2)
     curves = {"all motors": effective_motors(coupling, _AROUND)}
     if out:
-        curves["without " + " and ".join(called[i] for i in out)] = effective_motors(coupling, _AROUND, out=out)
+        value = effective_motors(coupling, _AROUND, out=out)
+        gone = "without " + " and ".join(called[i] for i in out)
+        if motors_hold_all(coupling, sum(1 << i for i in set(out))):
+            curves[gone] = value
+        else:
+            curves[f"{gone}: cannot hold its heading, not drawn"] = np.full_like(value, np.nan)
     for k, (name, value) in enumerate(curves.items()):
         axes.plot(_AROUND, value, color=COLORS[k], label=name)
         axes.fill(_AROUND, value, color=COLORS[k], alpha=0.12)
-    top = 1.12 * float(max(v.max() for v in curves.values()))
+    top = 1.12 * float(curves["all motors"].max())
     for i, row in enumerate(coupling.velocity):
         angle = float(np.arctan2(row[1], row[0]))
         color = "0.75" if i in out else "0.35"

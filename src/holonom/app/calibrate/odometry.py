@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -51,6 +51,7 @@ def calibrate_odometry(
     rule: str = "midpoint",
     held_out: bool = False,
     limits: Sequence[float] | None = None,
+    classical_limits: bool = False,
     allow_gaps: bool = False,
     mcap: bool = False,
     output: Path | None = None,
@@ -67,6 +68,7 @@ def calibrate_odometry(
     rule : of integration, a key of `odometry.RULES`.
     held_out : for least squares, also the errors of each run by a calibration from the others.
     limits : for least squares, largest errors allowed: m and degrees on the way, m and degrees at the end.
+    classical_limits : instead, those of a classical calibration by the ends of the runs, for the extended set.
     allow_gaps : let gaps in the logs pass with a note.
     mcap : leave the log in the output folder too, runs as MCAP with the odometry before and after (`TOPICS`).
     output : folder for `odometry.json` and, with Matplotlib, a picture of the paths.
@@ -81,13 +83,15 @@ def calibrate_odometry(
             raise UnknownName(kind, name, known)
     if drive is not None and drive not in DRIVES:
         raise UnknownName("drive that can be calibrated", drive, DRIVES)
-    _check_options(method, parameters, form, limits, held_out=held_out)
+    _check_options(method, parameters, form, limits, held_out=held_out, classical=classical_limits)
     if mcap and output is None:
         raise CalibrationError("--mcap came without -o; name the folder that the recordings go to")
     log = read_log(paths, drive=drive, allow_gaps=allow_gaps)
     try:
         found = (
-            _umbmark(log, form or "x", rule) if method == "umbmark" else _least_squares(log, parameters, rule, limits)
+            _umbmark(log, form or "x", rule)
+            if method == "umbmark"
+            else _least_squares(log, parameters, rule, "classical" if classical_limits else limits)
         )
         if held_out:
             errors = held_out_errors(log.runs, log.drive, log.nominal, set_name=found.data["set"], rule=rule)
@@ -108,11 +112,15 @@ def calibrate_odometry(
 
 
 def _check_options(
-    method: str, parameters: str | None, form: str | None, limits: Sequence[float] | None, *, held_out: bool
-) -> None:
-    """Refuse options that the method knows nothing of."""
+    method: str, parameters: str | None, form: str | None, limits: Sequence[float] | None, *, held_out: bool,
+    classical: bool,
+) -> None:  # fmt: skip
+    """Refuse options that the method knows nothing of, and limits of two kinds."""
+    if classical and limits is not None:
+        raise CalibrationError("--limits and --classical-limits came; it is one of the two")
     if method == "umbmark":
         options = {"--parameters": parameters is not None, "--limits": limits is not None, "--held-out": held_out}
+        options["--classical-limits"] = classical
         named = [name for name, given in options.items() if given]
         if named:
             raise CalibrationError(f"{' and '.join(named)} came with umbmark; leave it out, or use least-squares")
@@ -183,12 +191,18 @@ def _umbmark(log: OdometryLog, form: str, rule: str) -> _Found:
     )
 
 
-def _least_squares(log: OdometryLog, parameters: str | None, rule: str, limits: Sequence[float] | None) -> _Found:
+def _least_squares(
+    log: OdometryLog, parameters: str | None, rule: str, limits: Sequence[float] | Literal["classical"] | None
+) -> _Found:
     plain, refused = _attempt(log, "physical", rule)
     if parameters != "extended" and plain is None:
         raise CalibrationError(refused)
     chosen = plain
-    wanted = None if limits is None else [limits[0], math.radians(limits[1]), limits[2], math.radians(limits[3])]
+    wanted: Sequence[float] | Literal["classical"] | None = None
+    if limits == "classical":
+        wanted = "classical"
+    elif limits is not None:
+        wanted = [limits[0], math.radians(limits[1]), limits[2], math.radians(limits[3])]
     notes: tuple[str, ...] = ()
     if parameters != "physical":
         chosen, refused = _attempt(log, "extended", rule, wanted)
@@ -202,6 +216,7 @@ def _least_squares(log: OdometryLog, parameters: str | None, rule: str, limits: 
     data = {"set": chosen.set, **_values(chosen), "matrix": chosen.matrix.tolist(), **_ratios(chosen)}
     data |= {"condition": chosen.condition, "lever_m": chosen.lever, "errors_before": _errors(chosen.before)}
     data |= {"limits": _limits(chosen), "growth": chosen.growth}
+    data["clocks_s"] = [_number(float(clock)) for clock in chosen.clocks]
     data |= {"correlation": chosen.correlation.tolist(), "errors_after": _errors(chosen.after)}
     if plain is not None:
         data["physical"] = {**_values(plain), "errors_after": _errors(plain.after)}
@@ -209,7 +224,7 @@ def _least_squares(log: OdometryLog, parameters: str | None, rule: str, limits: 
 
 
 def _attempt(
-    log: OdometryLog, set_name: str, rule: str, limits: Sequence[float] | None = None
+    log: OdometryLog, set_name: str, rule: str, limits: Sequence[float] | Literal["classical"] | None = None
 ) -> tuple[Calibration | None, str]:
     """A calibration, or the reason why the motion does not tell it."""
     try:

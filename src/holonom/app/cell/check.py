@@ -103,7 +103,8 @@ def _base(job: Job, base: BaseJob) -> _Said:
     if task.path is None:
         end = float(task.velocities[-1, 0]) if task.velocities is not None else task.hold or 0.0
         what = "velocities followed" if task.velocities is not None else "it holds its place"
-        return _Said(f"{what} for {end:.1f} s", {**data, "estimated_time_s": task.start + end})
+        use = {**data, "estimated_time_s": task.start + end}
+        return _Said(f"{what} for {end:.1f} s", use, path_warnings(base, job.floor))
     try:
         use = path_use(base)
     except InputError:  # told as a note: such a base is only looked at

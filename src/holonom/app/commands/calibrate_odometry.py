@@ -30,6 +30,7 @@ class Options:
     limits: tuple[float, float, float, float] | None = option(
         None, "largest errors allowed, inf for none", metavar=_LIMITS, most=float("inf")
     )
+    classical_limits: bool = option(False, "largest errors no worse than a classical calibration's")
     allow_gaps: bool = option(False, "gaps in a log are a note, not an error")
     mcap: bool = option(False, "with -o, the runs too, as MCAP with truth and odometry")
     output: Path | None = output("odometry.json and a picture of the paths go here")
@@ -48,6 +49,7 @@ def run(options: Options) -> Answer:
         rule=options.rule,
         held_out=options.held_out,
         limits=options.limits,
+        classical_limits=options.classical_limits,
         allow_gaps=options.allow_gaps,
         mcap=options.mcap,
         output=options.output,

@@ -7,7 +7,7 @@ Writing
     `write_log`: the plain format, with CSV or MCAP runs.
 Inside
     `table` (numbers out of CSV, faults with line and column), `checks` (time, speeds, units, swapped columns),
-    `optiodom`, `plain`, `mcap_file`.
+    `optiodom`, `plain`, `rates` (two rates, stamps), `mcap_file`, `recorded` (files of ROS 2, poses in them).
 """
 
 from holonom.app.odometry_log.log import OdometryLog

@@ -10,10 +10,11 @@ import numpy as np
 from holonom.app.odometry_log.spells import note_spells
 from holonom.app.odometry_log.story import check_columns, judge_miss
 from holonom.app.odometry_log.table import Table
-from holonom.mobile.calibration import DriveParameters, Run
+from holonom.errors import LogError
+from holonom.mobile.calibration import DriveParameters, Run, clock_offset, on_the_clock_of_the_wheels
 from holonom.mobile.odometry import find_gaps
 
-__all__ = ["check_motion", "check_time", "part_names"]
+__all__ = ["check_motion", "check_time", "in_one_clock", "part_names"]
 
 
 FASTEST = 20.0  # m/s, of a rim or the truth: 72 km/h
@@ -100,6 +101,38 @@ def check_motion(table: Table, run: Run, parameters: DriveParameters, wheels: Se
     miss = check_columns(table, run, M, wheels)
     _check_truth(table, run)
     return (*judge_miss(table, miss), *note_spells(table, run, M, wheels))
+
+
+def in_one_clock(
+    table: Table, run: Run, parameters: DriveParameters, wheels: Sequence[str]
+) -> tuple[Run, tuple[str, ...]]:  # fmt: skip
+    """The run on the clock of its wheels, and notes: what `check_motion` says where the truth's clock is put right.
+
+    Raises
+    ------
+    LogError
+        What `check_motion` refuses, and no offset of the clock explains.
+    """
+    fault: LogError | None = None
+    doubts: tuple[str, ...] = ()
+    try:
+        doubts = check_motion(table, run, parameters, wheels)
+    except LogError as problem:
+        fault = problem
+    late = clock_offset(run, parameters.matrix(parameters.nominal)) if len(run.truth) else 0.0
+    if late == 0.0:
+        if fault is not None:
+            raise fault
+        return run, doubts
+    moved = on_the_clock_of_the_wheels(run, late)
+    first = int(np.searchsorted(run.time, moved.time[0]))
+    part = table.cut([first, first + len(moved.time)])[1]
+    try:
+        doubts = check_motion(part, moved, parameters, wheels)
+    except LogError:
+        raise (fault or LogError(f"{table.path}: wheels and truth disagree at any offset of their clocks")) from None
+    note = f"{table.path}: the truth's clock is {abs(late):.3g} s {'late' if late > 0.0 else 'early'}; put right"
+    return moved, (note, *doubts)
 
 
 def _check_clock(table: Table, run: Run, radius: float) -> None:

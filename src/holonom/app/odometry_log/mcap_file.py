@@ -1,14 +1,13 @@
-"""Logs in MCAP files: wheel angles as sensor_msgs/JointState, the truth as nav_msgs/Odometry.
+"""Logs in MCAP files and rosbag2: wheel angles as sensor_msgs/JointState, the truth as odometry, poses or transforms.
 
-The first topic of each type counts, unless another is named (`/joint_states` and `/odom` when written here). Joints are
-found by the drive's wheel names, unless others are given; the tricycle's steering is the joint `front_steering`. Poses
-are interpolated to the times of the joints. Any MCAP file with these messages in little-endian CDR does, such as
-`ros2 bag` writes.
+The first topic of each type counts, unless another is named (`/joint_states` and `/odom` when written here); of the
+types of `TRUTHS` the first that is there. Joints are found by the drive's wheel names, unless others are given; the
+tricycle's steering is the joint `front_steering`. Poses are interpolated to the times of the joints. Any file with
+these messages in little-endian CDR does, such as `ros2 bag` writes.
 """
 
 from __future__ import annotations
 
-import struct
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -17,6 +16,8 @@ import numpy as np
 from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
 from mcap.writer import CompressionType, Writer
 
+from holonom.app.odometry_log.recorded.bag import DAMAGED, messages_of
+from holonom.app.odometry_log.recorded.truth_messages import TRUTHS, poses_of
 from holonom.app.odometry_log.table import Table
 from holonom.app.recording.format.cdr import ENCAPSULATION, CdrReader
 from holonom.app.recording.format.messages import (
@@ -24,14 +25,11 @@ from holonom.app.recording.format.messages import (
     joint_layout,
     joint_message,
     odometry_layout,
-    odometry_plane,
     odometry_values,
 )
-from holonom.app.recording.format.pieces import read_pieces
 from holonom.app.recording.format.schemas import schema_text
-from holonom.app.recording.format.topic_messages import Messages, Stream
 from holonom.arrays import Array
-from holonom.errors import InputError, LogError, OutputError
+from holonom.errors import LogError, OutputError
 from holonom.mobile.calibration import Run, wheels_of
 
 __all__ = ["JOINTS", "ODOMETRY", "read_mcap_table", "write_mcap"]
@@ -39,7 +37,6 @@ __all__ = ["JOINTS", "ODOMETRY", "read_mcap_table", "write_mcap"]
 
 JOINTS, ODOMETRY = "sensor_msgs/JointState", "nav_msgs/Odometry"
 SUFFIX = "_steering"
-DAMAGED = (struct.error, ValueError, IndexError)  # what broken files raise
 
 
 def read_mcap_table(
@@ -47,24 +44,27 @@ def read_mcap_table(
     wheels: Sequence[str],
     steered: Sequence[str],
     *,
-    topics: Mapping[str, str | None] | None = None,
+    joints_topic: str | None = None,
+    truth_topic: str | None = None,
     names: Mapping[str, str] | None = None,
+    frame: str | None = None,
 ) -> Table:
     """Running wheel angles (rad), steering and truth of a recording, a row for each JointState.
 
     Parameters
     ----------
-    path : MCAP file.
+    path : MCAP file, rosbag2 database or folder of one.
     wheels, steered : names of the drive's wheels, and of those that are steered.
-    topics : of `JOINTS` and `ODOMETRY` messages; the first of each type unless given.
+    joints_topic, truth_topic : of the wheels' angles and of the truth; the first of each type unless given.
     names : of the joints, where they differ from those of the wheels.
+    frame : of the base in transforms; its usual names, or the only one, unless given.
 
     Raises
     ------
     LogError
         No MCAP file, another encoding, no joints, or joints without the drive's wheels.
     """
-    messages, notes = _messages(path, topics or {})
+    messages = _messages(path, joints_topic, truth_topic)
     if not messages.get(JOINTS):
         raise LogError(f"{path}: no {JOINTS} messages; record the wheels' angles as joint states")
     joints = [_joint_message(path, data) for data in messages[JOINTS]]
@@ -81,12 +81,13 @@ def read_mcap_table(
     rows = np.stack([_joint_values(path, data, one) for data, one in zip(messages[JOINTS], joints, strict=True)])
     values = np.column_stack([rows[:, 0], rows[:, 1:][:, at]])
     columns = ("time", *wheels, *("steering" for _ in steered))
-    if messages.get(ODOMETRY):
-        values = np.column_stack([values, _truth_at(path, messages[ODOMETRY], values[:, 0])])
+    kind_of_truth = next((known for known in TRUTHS if messages.get(known)), None)
+    if kind_of_truth is not None:
+        values = np.column_stack([values, _truth_at(path, kind_of_truth, messages[kind_of_truth], values[:, 0], frame)])
         columns = (*columns, "x", "y", "theta")
     if len(values) < 2:
         raise LogError(f"{path}: {len(values)} samples; two or more are expected: the run was not recorded")
-    table = Table(path, columns, values, range(1, len(values) + 1), tuple(notes))
+    table = Table(path, columns, values, range(1, len(values) + 1))
     bad = np.argwhere(~np.isfinite(values))
     if len(bad):
         table.fault(int(bad[0, 0]), columns[bad[0, 1]], "NaN or infinity came; finite numbers are expected")
@@ -143,23 +144,15 @@ def _channel(writer: Writer, topic: str, kind: str) -> int:
     return writer.register_channel(topic, MessageEncoding.CDR, schema)
 
 
-def _messages(path: Path, named: Mapping[str, str | None]) -> tuple[Mapping[str, list[bytes]], list[str]]:
-    """Messages of the named, or first, topic of each type, as far as they can be read, and what is missing."""
+def _messages(path: Path, joints: str | None, truth: str | None) -> Mapping[str, list[bytes]]:
+    """Messages of the named, or first, topic of each type: of joints, and of one type that tells the truth."""
     found: dict[str, list[bytes]] = defaultdict(list)
-    topics = {kind: topic for kind, topic in named.items() if topic is not None}
-
-    def take(stream: Stream, messages: Messages) -> None:
-        if stream.type in (JOINTS, ODOMETRY) and topics.setdefault(stream.type, stream.topic) == stream.topic:
-            found[stream.type] += messages
-
-    try:
-        pieces = read_pieces(path, take)
-    except InputError as error:
-        raise LogError(str(error)) from None
-    for kind, messages in found.items():
-        if any(message[: len(ENCAPSULATION)] != ENCAPSULATION for message in messages):
-            raise LogError(f"{path}: {topics[kind]} is not in little-endian CDR; record it with ROS 2")
-    return found, [f"{path} is damaged or cut off, missing is {missing.text()}" for missing in pieces.missing]
+    topics: dict[str, str] = {}
+    for kind, topic, data in messages_of(path, (JOINTS, *TRUTHS)):
+        named = joints if kind == JOINTS else truth
+        if topics.setdefault(kind, named if named is not None else topic) == topic:
+            found[kind].append(data)
+    return found
 
 
 def _joint_message(path: Path, data: bytes) -> JointMessage:
@@ -178,11 +171,12 @@ def _joint_values(path: Path, data: bytes, kind: JointMessage) -> Array:
     return np.concatenate([[CdrReader(data).stamp() / 1e9], positions])
 
 
-def _truth_at(path: Path, messages: Sequence[bytes], time: Array) -> Array:
+def _truth_at(path: Path, kind: str, messages: Sequence[bytes], time: Array, frame: str | None) -> Array:
     """Poses (N, 3) at the joints' times, between those of the messages."""
-    layout = odometry_layout()
-    stamps = np.array([CdrReader(data).stamp() / 1e9 for data in messages])
-    poses = odometry_plane(np.stack([_numbers(data, len(layout.doubles)) for data in messages]))[0]
+    try:
+        stamps, poses = poses_of(kind, messages, frame, str(path))
+    except DAMAGED as error:
+        raise LogError(f"{path}: a damaged {kind} ({error or type(error).__name__}); record it again") from None
     if time[0] < stamps[0] - 0.5 or time[-1] > stamps[-1] + 0.5:
         raise LogError(
             f"{path}: joints from {time[0]:g} to {time[-1]:g} s, truth from {stamps[0]:g} to {stamps[-1]:g} s; cut the "
@@ -190,12 +184,3 @@ def _truth_at(path: Path, messages: Sequence[bytes], time: Array) -> Array:
         )
     columns = [poses[:, 0], poses[:, 1], np.unwrap(poses[:, 2])]
     return np.stack([np.interp(time, stamps, column) for column in columns], axis=1)
-
-
-def _numbers(data: bytes, count: int) -> Array:
-    """Doubles of a nav_msgs/Odometry, whatever its frames are called."""
-    reader = CdrReader(data)
-    reader.stamp()
-    reader.text()
-    reader.text()
-    return np.frombuffer(data, dtype="<f8", count=count, offset=len(data) - 8 * count)

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from holonom.app.odometry_log.checks import check_motion, check_time, part_names
+from holonom.app.odometry_log.checks import check_time, in_one_clock, part_names
 from holonom.app.odometry_log.log import OdometryLog
 from holonom.app.odometry_log.table import Table, read_table
 from holonom.arrays import Array
@@ -205,7 +205,7 @@ def _read_part(name: str, table: Table, facts: _Facts, *, first: bool) -> tuple[
     order = [1, 0] if kind.drive == "differential" else list(range(len(wheels)))
     run = Run(name, table.column("time"), np.ascontiguousarray(turns[:, order]), _truth(table), steering)
     parameters = drive_parameters(kind.drive, facts.nominal)
-    return run, check_motion(table, run, parameters, [wheels[k] for k in order])
+    return in_one_clock(table, run, parameters, [wheels[k] for k in order])
 
 
 def _truth(table: Table) -> Array:

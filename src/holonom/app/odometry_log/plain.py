@@ -2,7 +2,7 @@
 
 ```toml
 drive = "differential"            # differential, tricycle, omni3, mecanum, omni3_any to omni6_any
-runs = ["run-1.csv", "run-2.csv"] # beside this file; .csv, .csv.gz or .mcap
+runs = ["run-1.csv", "run-2.csv"] # beside this file; .csv, .csv.gz, .mcap, .db3 or the folder of a rosbag2
 side = 1.7                        # of the square, m; for UMBmark, else leave it out
 
 [geometry]                        # m and rad, the names that the drive has
@@ -16,19 +16,23 @@ gear = 43.7                       # turns of that shaft per turn of the wheel
 bits = 16                         # of running counters that run over, else leave it out
 
 [units]                           # of the columns
+time = "s"                        # or "ms", "us", "ns"; unless given told by their size, as stamps since 1970 have it
 wheels = "ticks"                  # "ticks" or "rad" of each sample, "counts" or "angle" that run on
 steering = "rad"                  # or "deg"
 position = "m"                    # or "mm"
 heading = "rad"                   # or "deg"
 
-[mcap]                            # for MCAP runs, where names differ
+[mcap]                            # for recordings, where names differ
 joints = "/joint_states"          # topic of the wheels' angles; the first of its type unless given
-truth = "/ground_truth"           # topic of the truth, likewise
+truth = "/ground_truth"           # topic of the truth, likewise: odometry, poses or transforms
+frame = "robot"                   # of the base in transforms; base_link or the only one unless given
 names = { left = "wheel_left_joint" }
 ```
 
-The first line of a CSV file names its columns, in any order: `time` (s), one per wheel of the drive (`left`, `right`),
-`steering` for a tricycle, and `x`, `y`, `theta` of the truth where there is one.
+The first line of a CSV file names its columns, in any order: `time`, one per wheel of the drive (`left`, `right`),
+`steering` for a tricycle, and `x`, `y`, `theta` of the truth where there is one. Commas, semicolons (numbers may then
+have decimal commas) or tabs separate them; other columns are noted and not read. Where wheels and truth come at two
+rates the cells of what was not sampled are empty, and the truth is interpolated to the times of the wheels.
 """
 
 from __future__ import annotations
@@ -43,9 +47,11 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from holonom.app.fields.quantities import OneOf
 from holonom.app.fields.toml_faults import line_of, parse_toml, worded_faults
 from holonom.app.fields.toml_lines import key_lines
-from holonom.app.odometry_log.checks import check_motion, check_time, part_names
+from holonom.app.odometry_log.checks import check_time, in_one_clock, part_names
 from holonom.app.odometry_log.log import OdometryLog
-from holonom.app.odometry_log.mcap_file import JOINTS, ODOMETRY, read_mcap_table
+from holonom.app.odometry_log.mcap_file import read_mcap_table
+from holonom.app.odometry_log.rates import in_seconds, on_one_rate
+from holonom.app.odometry_log.recorded.bag import is_bag, lost_of
 from holonom.app.odometry_log.table import Table, read_table
 from holonom.arrays import Array
 from holonom.errors import CalibrationError, LogError, OutOfLimits
@@ -77,6 +83,8 @@ class Encoder(_Table):
 class Units(_Table):
     """What the columns hold."""
 
+    time: Literal["s", "ms", "us", "ns"] | None = None
+    """unit of time; told by the size of stamps since 1970 unless given"""
     wheels: Literal["ticks", "counts", "rad", "angle"] = "rad"
     """ticks or rad of each sample, counts or angle that run on"""
     steering: Literal["rad", "deg"] = "rad"
@@ -94,6 +102,8 @@ class McapNames(_Table):
     """topic of the wheels' angles"""
     truth: str | None = None
     """topic of the truth"""
+    frame: str | None = None
+    """of the base, where the truth is transforms"""
     names: Mapping[str, str] = {}
     """of joints by those of wheels"""
 
@@ -171,17 +181,23 @@ def read_runs(path: Path, description: Description, *, allow_gaps: bool = False)
     """
     wheels, steered = wheels_of(description.drive)
     columns = ("time", *wheels, *(("steering",) if steered else ()))
-    if path.suffix == ".mcap":
+    if is_bag(path):
         called = description.mcap
-        topics = {JOINTS: called.joints, ODOMETRY: called.truth}
-        table = read_mcap_table(path, wheels, steered, topics=topics, names=called.names)
+        table = read_mcap_table(
+            path, wheels, steered, joints_topic=called.joints, truth_topic=called.truth, names=called.names,
+            frame=called.frame,
+        )  # fmt: skip
         units = Units(wheels="angle")
     else:
-        table, units = read_table(path), description.units
+        wanted = {*columns, *TRUTH}
+        table, units = read_table(path, needed=wanted, sparse=wanted - {"time"}), description.units
     _check_columns(table, columns)
+    surplus = f"{path}:1: not read: column {', '.join(table.ignored)}"
+    said = [surplus] if table.ignored else []
+    table = on_one_rate(in_seconds(table, units.time), columns[1:], TRUTH)
     running = units.wheels in ("counts", "angle")
     parts, notes = check_time(table, allow_gaps=allow_gaps, running=running)
-    notes = (*table.notes, *notes)
+    notes = (*said, *(lost_of(path) if is_bag(path) else ()), *notes)
     runs = []
     for name, part in zip(part_names(path, len(parts)), parts, strict=True):
         run, doubts = _read_part(name, part, description, units, first=part.lines[0] == table.lines[0])
@@ -200,7 +216,8 @@ def _read_part(
     turns = _turns(table, wheels, description, units)
     turns[0] *= first  # what came before a part is none of its own
     run = Run(name, table.column("time"), turns, _truth(table, units), steering)
-    return run, check_motion(table, run, drive_parameters(description.drive, description.geometry), wheels)
+    parameters = drive_parameters(description.drive, description.geometry)
+    return in_one_clock(table, run, parameters, wheels)
 
 
 def _check_columns(table: Table, columns: tuple[str, ...]) -> None:
@@ -209,12 +226,9 @@ def _check_columns(table: Table, columns: tuple[str, ...]) -> None:
     missing = [name for name in wanted if name not in table.names]
     if missing:
         raise LogError(
-            f"{table.path}:1: no column {', '.join(missing)}; there is {', '.join(table.names)}: the drive needs "
-            f"{', '.join(columns)}, and x, y, theta all or none"
+            f"{table.path}:1: no column {', '.join(missing)}; there is {', '.join((*table.names, *table.ignored))}: "
+            f"the drive needs {', '.join(columns)}, and x, y, theta all or none"
         )
-    surplus = [name for name in table.names if name not in (*columns, *TRUTH)]
-    if surplus:
-        raise LogError(f"{table.path}:1: column {surplus[0]} is unknown; {', '.join((*columns, *TRUTH))} are read")
 
 
 def _turns(table: Table, wheels: tuple[str, ...], description: Description, units: Units) -> Array:

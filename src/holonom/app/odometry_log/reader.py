@@ -17,7 +17,7 @@ from holonom.mobile.calibration import article
 
 __all__ = ["read_log"]
 
-RUNS = (".csv", ".gz", ".mcap")  # endings of run files of the plain format
+RUNS = (".csv", ".gz", ".mcap", ".db3")  # endings of run files of the plain format
 
 
 def read_log(paths: Sequence[Path], *, drive: str | None = None, allow_gaps: bool = False) -> OdometryLog:

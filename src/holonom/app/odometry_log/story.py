@@ -286,7 +286,7 @@ def _angle(turn: float) -> str:
 
 def _refuse(table: Table, miss: float, named: Sequence[_Candidate]) -> NoReturn:
     """Say which columns are wrong, or which of several mistakes it is."""
-    places = {name: f"{k} ({name})" for k, name in enumerate(table.names, start=1)}
+    places = {name: f"{table.place(name)} ({name})" for name in table.names}
     texts = list(dict.fromkeys(" and ".join(c.faults).format_map(places) for c in named))[:MOST]
     raise LogError(
         f"{table.path}:{table.lines[0]}: {', or '.join(texts)}; as they stand wheels and truth disagree by {miss:.0%} "

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
 import io
 import itertools
 import re
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import NoReturn
@@ -27,13 +28,17 @@ SHOWN = 24
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Columns of numbers: `values` (N, k), their `names` (k,), where they came from, what is to be said of them."""
+    """Columns of numbers: `values` (N, k), their `names` (k,), the file, lines and columns they came from.
+
+    `ignored` are the names of columns that were not read.
+    """
 
     path: Path
     names: tuple[str, ...]
     values: Array
     lines: Sequence[int]
-    notes: tuple[str, ...] = ()
+    columns: tuple[int, ...] = ()
+    ignored: tuple[str, ...] = ()
 
     def column(self, name: str) -> Array:
         """(N,) of a name that is there."""
@@ -42,7 +47,10 @@ class Table:
     def cut(self, rows: Sequence[int]) -> list[Table]:
         """Tables of the rows before, between and from these on."""
         edges = [0, *(int(row) for row in rows), len(self.values)]
-        return [Table(self.path, self.names, self.values[a:b], self.lines[a:b]) for a, b in itertools.pairwise(edges)]
+        return [
+            dataclasses.replace(self, values=self.values[a:b], lines=self.lines[a:b])
+            for a, b in itertools.pairwise(edges)
+        ]
 
     def fault(self, row: int, name: str, text: str) -> NoReturn:
         """Refuse the file because of one value.
@@ -51,17 +59,26 @@ class Table:
         ------
         LogError
         """
-        column = self.names.index(name)
-        raise LogError(f"{self.path}:{self.lines[row]}: column {column + 1} ({name}): {text}")
+        raise LogError(f"{self.path}:{self.lines[row]}: column {self.place(name)} ({name}): {text}")
+
+    def place(self, name: str) -> int:
+        """Number of a column in its file, from 1 on."""
+        at = self.names.index(name)
+        return self.columns[at] if self.columns else at + 1
 
 
-def read_table(path: Path, names: Sequence[str] | None = None) -> Table:
-    """Read a CSV file of finite numbers, separated by commas.
+def read_table(
+    path: Path, names: Sequence[str] | None = None, *, needed: Container[str] | None = None,
+    sparse: Container[str] = (),
+) -> Table:  # fmt: skip
+    """Read a CSV file of finite numbers, separated by commas, semicolons or tabs.
 
     Parameters
     ----------
-    path : the file, packed or not.
+    path : the file, packed or not. With semicolons or tabs numbers may have decimal commas.
     names : of its columns if it has no header; otherwise they are its first line.
+    needed : columns that are read; of others numbers and words may be anything. None: all.
+    sparse : columns that may be empty where they were not sampled; NaN then.
 
     Raises
     ------
@@ -70,26 +87,34 @@ def read_table(path: Path, names: Sequence[str] | None = None) -> Table:
     """
     text = read_text(path, "log", LogError)
     check_lines(text, path, LogError)
-    lines = [number for number, line in enumerate(text.splitlines(), start=1) if line.strip()]
-    body = text
+    rows = text.splitlines()
+    lines = [number for number, line in enumerate(rows, start=1) if line.strip()]
+    if not lines and names is None:
+        raise LogError(f"{path}:1: the file is empty; a header line and two samples or more are expected")
+    mark = _separator(rows[lines[0] - 1]) if lines else ","
     if names is None:
-        if not lines:
-            raise LogError(f"{path}:1: the file is empty; a header line and two samples or more are expected")
-        header = text.splitlines()[lines[0] - 1]
-        names, lines = [name.strip() for name in header.split(",")], lines[1:]
-        body = "\n".join(text.splitlines()[lines[0] - 1 :]) if lines else ""
+        names, lines = [name.strip().strip('"') for name in rows[lines[0] - 1].split(mark)], lines[1:]
         _check_header(path, names)
     if len(lines) < 2:
         raise LogError(f"{path}:1: {len(lines)} samples; two or more are expected: the run was not recorded")
-    values = _numbers(path, text, body, lines, names)
-    table = Table(path, tuple(names), values, lines)
-    bad = np.argwhere(~np.isfinite(values))
+    kept = [k for k, name in enumerate(names) if needed is None or name in needed]
+    may = [names[k] in sparse for k in kept]
+    values = _numbers(path, rows, lines, names, kept, may, mark)
+    ignored = tuple(name for k, name in enumerate(names) if k not in kept)
+    table = Table(path, tuple(names[k] for k in kept), values, lines, tuple(k + 1 for k in kept), ignored)
+    bad = np.argwhere(~np.isfinite(values) & ~(np.isnan(values) & np.array(may)))
     if len(bad):
         row, column = bad[0]
         table.fault(
-            int(row), names[column], f"{values[row, column]} came; a finite number is expected: repair or cut it"
-        )
+            int(row), table.names[column],
+            f"{values[row, column]} came; a finite number is expected: repair or cut it",
+        )  # fmt: skip
     return table
+
+
+def _separator(line: str) -> str:
+    """What stands between the cells of a line: a semicolon or a tab where there is one, else a comma."""
+    return next((mark for mark in (";", "\t") if mark in line), ",")
 
 
 def _check_header(path: Path, names: Sequence[str]) -> None:
@@ -104,28 +129,40 @@ def _check_header(path: Path, names: Sequence[str]) -> None:
         seen.add(name)
 
 
-def _numbers(path: Path, text: str, body: str, lines: Sequence[int], names: Sequence[str]) -> Array:
-    try:
-        values = np.loadtxt(io.StringIO(body), delimiter=",", ndmin=2, comments=None)
-    except ValueError:
-        _find_fault(path, text, lines, names)
-    if values.shape != (len(lines), len(names)):
-        _find_fault(path, text, lines, names)
+def _numbers(
+    path: Path, rows: Sequence[str], lines: Sequence[int], names: Sequence[str], kept: Sequence[int],
+    may: Sequence[bool], mark: str,
+) -> Array:  # fmt: skip
+    """Columns that are kept; where all cells of a file are numbers, by the quickest way."""
+    if len(kept) == len(names) and not any(may):
+        body = "\n".join(rows[number - 1] for number in lines)
+        try:
+            values = np.loadtxt(io.StringIO(body), delimiter=mark, ndmin=2, comments=None)
+        except ValueError:
+            values = np.empty((0, 0))
+        if values.shape == (len(lines), len(names)):
+            return values
+    values = np.empty((len(lines), len(kept)))
+    for k, number in enumerate(lines):
+        cells = rows[number - 1].split(mark)
+        if len(cells) != len(names):
+            raise LogError(f"{path}:{number}: {len(cells)} columns; {len(names)} are expected: {', '.join(names)}")
+        for j, column in enumerate(kept):
+            values[k, j] = _number(path, number, column, names[column], cells[column], mark, empty=may[j])
     return values
 
 
-def _find_fault(path: Path, text: str, lines: Sequence[int], names: Sequence[str]) -> NoReturn:
-    rows = text.splitlines()
-    for number in lines:
-        cells = rows[number - 1].split(",")
-        if len(cells) != len(names):
-            raise LogError(f"{path}:{number}: {len(cells)} columns; {len(names)} are expected: {', '.join(names)}")
-        for column, (cell, name) in enumerate(zip(cells, names, strict=True), start=1):
-            if not _is_number(cell):
-                came = cell.strip()
-                shown = repr(came) if len(came) <= SHOWN else f"a text of {len(came)} characters"
-                raise LogError(f"{path}:{number}: column {column} ({name}): {shown} is no number; repair or cut it")
-    raise LogError(f"{path}: not a table of numbers; separate columns with commas, samples with line ends")
+def _number(path: Path, line: int, column: int, name: str, cell: str, mark: str, *, empty: bool) -> float:
+    text = cell.strip().strip('"')
+    if empty and text == "":
+        return float("nan")
+    text = text.replace(",", ".") if mark != "," and text.count(",") == 1 else text
+    try:
+        return float(text)
+    except ValueError:
+        came = cell.strip()
+        shown = repr(came) if len(came) <= SHOWN else f"a text of {len(came)} characters"
+        raise LogError(f"{path}:{line}: column {column + 1} ({name}): {shown} is no number; repair or cut it") from None
 
 
 def _is_number(text: str) -> bool:

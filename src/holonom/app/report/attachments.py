@@ -160,6 +160,8 @@ def _base_robot(job: BaseJob, floor: Floor) -> RobotFacts:
         friction=floor.material.peak,
         slip_at_peak=floor.material.slip_at_peak,
         faults=tuple(FaultFacts(*fault) for fault in faults),
+        position_tolerance=None if job.task.tolerance is None else job.task.tolerance.position,
+        heading_tolerance=None if job.task.tolerance is None else job.task.tolerance.heading,
     )
     return RobotFacts(
         name=job.name,

@@ -8,6 +8,7 @@ import numpy as np
 
 from holonom.app.job import BaseJob
 from holonom.app.rig.base_records import BaseRecords
+from holonom.app.rig.path_judge import PathJudge
 from holonom.arrays import Array
 from holonom.closed_loop import BaseLoop
 from holonom.closed_loop.base import DrivenPart
@@ -80,12 +81,13 @@ class BaseRig:
         self.job, self.name, self.loop, self._sink, self._signals = job, job.name, loop, sink, signals
         controller = loop.controller
         self._records = BaseRecords(job, creep_on(floor), controller.params.residual * controller.radii, sink)
-        self._words = BaseWords(job.base.driven, floor.material.slip_at_peak)
+        self._words = BaseWords(job.base.driven, floor.material.slip_at_peak, job.base, job.settings.keep)
         self._faults = sorted(job.faults, key=lambda fault: fault.time)
         self._alone, self._log = alone, loop.buffer(0)
         self._began: float | None = None
         self._ended, self._stopping = False, False
         self._part = DrivenPart(job.task.path) if job.task.path is not None else None
+        self._judge = PathJudge(job) if job.task.path is not None and job.task.tolerance is not None else None
 
     @property
     def done(self) -> bool:
@@ -114,8 +116,26 @@ class BaseRig:
 
     @property
     def standing(self) -> bool:
-        """Whether it stands."""
-        return self.speed < STILL
+        """Whether it stands, or has fallen over."""
+        return self.speed < STILL or self._lying
+
+    @property
+    def _lying(self) -> bool:
+        return self.loop.plant.tipped is not None
+
+    @property
+    def outcome(self) -> str:
+        """What it has done, in words, once it has."""
+        task = self.job.task
+        if task.path is None:
+            return "velocities driven" if task.velocities is not None else "held its place"
+        given_up = "" if self._judge is None else self._judge.given_up
+        return f"path driven, {given_up} given up for want of motors" if given_up else "path driven"
+
+    @property
+    def kept(self) -> float | None:
+        """Part of its path that it was truly on, 0 to 1, where that is judged; None without a path."""
+        return self.driven if self._judge is None else self._judge.kept
 
     def where(self) -> str:
         """How far its task is, in words."""
@@ -127,8 +147,8 @@ class BaseRig:
     @property
     def truth(self) -> BaseTruthView:
         """What sensors of the cell may see of it."""
-        state, plant = self.loop.plant.state[0], self.loop.plant
-        return BaseTruthView(plant.time, plant.pose, plant.twist, np.array([state["ax"], state["ay"]]))
+        plant = self.loop.plant
+        return BaseTruthView(plant.time, plant.pose, plant.twist, plant.acceleration)
 
     def frame(self, name: str) -> Array:
         """Where one of its frames truly is, T (4, 4) in the world."""
@@ -152,9 +172,9 @@ class BaseRig:
             if len(rows):
                 self.loop.controller.follow_velocity(rows[-1, 1:])
             if len(rows) == len(task.velocities) and not rows[-1, 1:].any() and self.standing:
-                self._end("velocities driven")
+                self._end(self.outcome)
         elif task.path is None and not self._ended and since >= (task.hold or 0.0) - 1e-9:
-            self._end("held its place")
+            self._end(self.outcome)
 
     def advance(self, ticks: int) -> None:
         """Advance by some ticks.
@@ -162,13 +182,16 @@ class BaseRig:
         Raises
         ------
         DriveFault
-            A jammed wheel stopped it, or it gets too slow for its path.
+            A jammed wheel stopped it, it tips over, gets too slow for its path, or did not keep it.
         """
         left = MS * ticks
-        while left > 0:
+        while left > 0 and not self._lying:
             first, done = int(self.loop.plant.state["tick"][0]), self._drive(left)
             left -= done
-            self._say(first, done)
+            if done:
+                self._say(first, done)
+            if self._lying:
+                raise DriveFault(self._tipped())
             if self._running_path and self.loop.controller.ending != RUNNING:
                 self._path_ended()
                 if self._alone:
@@ -195,6 +218,8 @@ class BaseRig:
         """Records and events of the milliseconds that were driven."""
         log = self._log.part(0, done)
         self._records.put(first, log)
+        if self._judge is not None and self._running_path:
+            self._judge.see(first, log)
         slip = of_wheels(log.wheels, "slip", len(self.job.base.driven))
         for event in [
             *self._broken(1e-3 * (first + done)),
@@ -216,9 +241,23 @@ class BaseRig:
         stopped = self.loop.controller.ending == STOPPED
         self.loop.controller.hold()
         if not stopped:
-            self._end("path driven")
+            verdict = "" if self._judge is None else self._judge.verdict()
+            self._ended = True
+            if verdict:
+                raise DriveFault(verdict)
+            self._end(self.outcome)
         elif not self._stopping:
             raise DriveFault(self._cut("stopped with a jammed wheel"))
+
+    def _tipped(self) -> str:
+        """What tips it, in words."""
+        plant, (ax, ay) = self.loop.plant, (float(self.loop.plant.state[name][0]) for name in ("ax", "ay"))
+        height, time = 1e3 * self.job.base.com_height, plant.tipped or 0.0
+        where = f" after {100.0 * (self.driven or 0.0):.0f} % of the path" if self._part is not None else ""
+        return (
+            f"tips over at {time:.2f} s{where}: {np.hypot(ax, ay):.1f} m/s2 are more than its wheels and a centre of "
+            f"mass at {height:g} mm stand; accelerate and turn less, build lower, or move the centre of mass inwards"
+        )
 
     def _cut(self, what: str, why: str = "") -> str:
         return f"{what} after {100.0 * (self.driven or 0.0):.0f} % of the path{why}"

@@ -223,9 +223,7 @@ class Rig:
             return "all done"
         if self.arms:
             return "program ended" if self.job.arms[0].program is not None else "it stood"
-        task = self.job.bases[0].task
-        driven = "path driven" if task.path is not None else "held its place"
-        return "velocities driven" if task.velocities is not None else driven
+        return next(iter(self.bases.values())).outcome
 
     def ending(self, ended: Ended) -> EndingFacts:
         """How it ended, with what no track holds: the worst of each joint at the controllers' own rates."""
@@ -237,7 +235,7 @@ class Rig:
             for name, arm in self.arms.items()
         }
         numbers = {name: {"contact_force": float(arm.loop.touch)} for name, arm in self.arms.items()}
-        numbers |= {name: {"path_driven": base.driven} for name, base in self.bases.items() if base.driven is not None}
+        numbers |= {name: {"path_driven": base.kept} for name, base in self.bases.items() if base.kept is not None}
         return EndingFacts(str(ended.ending), ended.reason, ended.time, joints, numbers)
 
 

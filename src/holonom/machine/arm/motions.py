@@ -98,7 +98,7 @@ def branch_joints(arm: Arm, T: Array, q0: Array, configuration: Any) -> Array:
             return nearest.q
     if arm.closed_form is None:
         raise MotionError(_not_found(T, wanted))
-    found = arm.ik(T)
+    found = arm.ik(T, q0)
     fits = np.array([all(w in name.split() for w in wanted) for name in found.names])
     q = _nearest_of(arm, T, q0, found.q[fits], found.status[fits])
     if q is None:
@@ -149,7 +149,7 @@ def _check_kept(arm: Arm, ends: Sequence[Array], wanted: Sequence[str]) -> None:
 
 def _branch_of(arm: Arm, q: Array) -> str | None:
     """The name of the branch that joints (n,) lie on; None where they lie on none, as in a singular pose."""
-    found = arm.ik(arm.fk(q))
+    found = arm.ik(arm.fk(q), q)
     apart = found.q - q
     apart -= np.where(arm.limits.turns, 2.0 * np.pi * np.round(apart / (2.0 * np.pi)), 0.0)
     distance = np.where(np.isin(found.status, _FREE), np.inf, np.abs(apart).max(-1))

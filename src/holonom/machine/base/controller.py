@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from holonom.arrays import Array, finite_array, real_array
 from holonom.control import ServoAxis
 from holonom.control.base_tuning import WheelLoop, tune_wheel
+from holonom.control.force_kernels import Body
 from holonom.control.traction import TractionSettings, WatchSettings
 from holonom.devices import tracking_params
 from holonom.devices.drive_signals import WheelSignals
@@ -18,13 +19,15 @@ from holonom.errors import ShapeError
 from holonom.machine.base.kernels import HOLD, PATH, RUNNING, VELOCITY, control_step
 from holonom.machine.base.params import BaseParams, BaseTask, Work
 from holonom.machine.base.records import CONTROL_STATE, KNOWN_WHEEL, SEEN_WHEEL
-from holonom.machine.base.settings import BaseSettings, Creep, slip_settings
+from holonom.machine.base.settings import KEEP, BaseSettings, Creep, slip_settings
 from holonom.machine.base.wheel_kernels import share_force
+from holonom.mobile.base.dynamics import inertia_over_mass
+from holonom.mobile.base.wheel import Wheel
 from holonom.mobile.base.wheel_base import WheelBase
-from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive, base_mass, load_shares
-from holonom.mobile.drive.coupling import Coupling
-from holonom.mobile.drive.slip import SlipSettings, slip_params
-from holonom.mobile.drive.slip_kernels import BOUND, SlipParams
+from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive, base_mass, rest_loads, roller_cosines
+from holonom.mobile.drive.coupling import coupling_of
+from holonom.mobile.drive.slip import SlipSettings, detectable, slip_params
+from holonom.mobile.drive.slip_kernels import BOUND, NO_SLIP, UNDETECTABLE, SlipParams
 from holonom.trace.call.records import aligned_records, side_by_side
 from holonom.trace.code.simd import WIDTH
 
@@ -36,6 +39,9 @@ TICK = 1e-3
 RESERVE = 0.85  # part of the largest force that a slowed-down path may need; the rest is for errors
 RATE_CHANGE = 1.0  # 1/s, how fast a path is slowed down
 COULOMB_SMOOTHING = 2.0  # rad/s of the motor, below which friction that is fed forward goes over into its opposite
+FIRST = {"both": (1.0, 1.0, 1.0), "path": (1.0, 1.0, 0.03), "heading": (0.03, 0.03, 1.0)}
+"""Weights of force and torque / R, where lost motors cannot make both."""
+LEAST_LOAD = 1e-3  # part of the weight below which a wheel carries nothing to speak of
 NO_PATH = np.zeros((0, 9))
 
 
@@ -71,12 +77,13 @@ class BaseController:
         driven = [wheel for wheel in base.wheels if wheel.driven]
         self.radii = np.array([wheel.radius for wheel in driven])
         rows = np.ascontiguousarray(base.velocity_coupling * [1.0, 1.0, base.radius])
-        mass = base_mass(base)
-        inertia = base.alpha * mass * base.radius**2
-        self.loop = _wheel_loop(base, drive, rows, mass, inertia)
+        self.loop = _wheel_loop(base, drive)
         """Tuned speed loop of the wheels, with its margins."""
         self.params = _params(base, drive, settings, settings.creep or creep, rows, self.radii)
-        known = [_known_wheel(r, row, drive, self.loop) for r, row in zip(self.radii, rows, strict=True)]
+        known = [
+            _known_wheel(wheel, row, most, drive, self.loop)
+            for wheel, row, most in zip(driven, rows, self.params.max_force, strict=True)
+        ]
         self.wheels = side_by_side(np.array(known, KNOWN_WHEEL))
         self.state = aligned_records(np.zeros(1, CONTROL_STATE), CONTROL_STATE)
         seen = np.zeros(len(driven), SEEN_WHEEL)
@@ -84,15 +91,16 @@ class BaseController:
         self.states = side_by_side(seen, works=0.0)
         lanes, trusted = WIDTH * len(self.states), len(self.params.estimate_rows)
         self.work = Work(
-            np.ones(trusted), np.ones(len(driven)), np.zeros((len(driven), 3)), np.zeros(max(lanes, trusted)),
+            np.ones(trusted), self.params.bearing.copy(), np.zeros((len(driven), 3)), np.zeros(max(lanes, trusted)),
             np.zeros(lanes), np.zeros(lanes), np.full(3, np.nan), np.zeros(9),
         )  # fmt: skip
         self.task = BaseTask(NO_PATH)
-        share_force(rows, self.work.weights, self.work.share, self.states)
+        share_force(self.params.pull_rows, self.params.pull, self.work.weights, self.work.share, self.states)
         slip = self.state["slip"][0]
         for name in ("slack", "angular_slack", "held_slack", "held_angular_slack"):
             slip[name] = math.inf
         self.state["rate"] = self.state["goal"] = 1.0
+        self.state["status"] = UNDETECTABLE if settings.slip is not None and not self.params.detect else NO_SLIP
         self.hold()
 
     def place(self, pose: ArrayLike, twist: ArrayLike = (0.0, 0.0, 0.0), *, signals: WheelSignals) -> None:
@@ -205,11 +213,13 @@ def _three(twist: Sequence[float] | Array) -> tuple[float, float, float]:
 def _params(
     base: WheelBase, drive: BaseDrive, settings: BaseSettings, creep: Creep, rows: Array, radii: Array
 ) -> BaseParams:
-    mass, loads = base_mass(base), base_mass(base) * GRAVITY * load_shares(base)[: len(rows), 0]
-    coupling = Coupling(base.velocity_coupling, base.radius, base.alpha)
+    mass, loads, cosines = base_mass(base), rest_loads(base), roller_cosines(base)
+    bearing = np.maximum(loads, LEAST_LOAD * mass * GRAVITY)
+    most = _max_force(drive, radii, cosines * bearing, settings.friction)
+    coupling = coupling_of(base)
     inverse = np.linalg.pinv(coupling.velocity)
     sideways = bool(np.linalg.matrix_rank(rows) == 3)
-    slip = settings.slip if sideways else None  # without redundancy nothing contradicts a wheel
+    slip = settings.slip if detectable(coupling) else None  # without redundancy nothing contradicts a wheel
     if isinstance(slip, str):
         slip = slip_settings(settings.sensors, drive, float(radii.max()))
     slipping = slip_params(coupling, slip) if slip is not None else _no_slip_params(len(rows))
@@ -218,6 +228,9 @@ def _params(
     sliding = base.sliding_matrix()
     drivable = base.feasible(np.eye(3)).T
     drivable[np.abs(drivable) < 1e-12] = 0.0
+    first = np.array(FIRST[settings.keep]) * [1.0, 1.0, 1.0 if settings.keep == "both" else 1.0 / base.radius]
+    scale = np.array([1.0, 1.0, base.radius])
+    momentum = mass * inertia_over_mass(base.radius, base.alpha, base.com) * np.outer(scale, scale)
     return BaseParams(
         keeping=settings.keeping.params(TICK),
         shaping=settings.shaping.params(TICK),
@@ -231,13 +244,17 @@ def _params(
         residual=np.eye(len(rows)) - coupling.velocity @ inverse,
         inverse=np.ascontiguousarray(inverse),
         quiet=_quiet(slip, slipping),
-        grip_per_ampere=np.append(force_per_ampere / (loads * creep.grip), np.zeros(-len(rows) % WIDTH)),
-        creep=creep.slope * creep.grip,
-        mass=mass,
-        inertia=base.alpha * mass * base.radius**2,
-        max_force=_max_force(drive, radii, loads, settings.friction),
+        grip_per_ampere=np.append(force_per_ampere / (cosines * bearing * creep.grip), np.zeros(-len(rows) % WIDTH)),
+        creep=np.append(creep.slope * creep.grip / cosines, np.zeros(-len(rows) % WIDTH)),
+        body=Body(mass, base.alpha * mass * base.radius**2, *base.com.tolist()),
+        pull_rows=np.ascontiguousarray(rows @ drivable * first),
+        pull=np.ascontiguousarray(first[:, None] * drivable.T),
+        momentum=np.ascontiguousarray(momentum),
+        keep=KEEP.index(settings.keep),
+        max_force=most,
+        bearing=bearing / bearing.mean(),
         max_rim=motor.no_load_speed / abs(gear.ratio) * float(radii.min()),
-        reserve=RESERVE,
+        path_force=RESERVE * most,
         rate_change=RATE_CHANGE,
         sideways=sideways,
         detect=slip is not None,
@@ -260,16 +277,22 @@ def _quiet(slip: SlipSettings | None, params: SlipParams) -> float:
     return float(params.hypotheses[0, BOUND]) * slip.noise**2
 
 
-def _max_force(drive: BaseDrive, radii: Array, loads: Array, friction: float) -> float:
-    """Force (N) along its rim that a wheel can be asked for: its motor's, or what an assumed friction carries."""
+def _max_force(drive: BaseDrive, radii: Array, loads: Array, friction: float) -> Array:
+    """Force (m,), N, along its rim that each wheel can be asked for: its motor's, or what an assumed friction carries.
+
+    `loads` are times the cosines of the rollers' angles.
+    """
     motor, gear = drive.motor, drive.gear
     torque = motor.torque_constant * min(motor.max_current, motor.max_voltage / motor.resistance)
-    return min(abs(gear.ratio) * gear.efficiency * torque / float(radii.max()), friction * float(loads.min()))
+    return np.asarray(np.minimum(abs(gear.ratio) * gear.efficiency * torque / radii, friction * loads))
 
 
-def _wheel_loop(base: WheelBase, drive: BaseDrive, rows: Array, mass: float, inertia: float) -> WheelLoop:
+def _wheel_loop(base: WheelBase, drive: BaseDrive) -> WheelLoop:
     """Tune for the largest share of the base that the wheels carry in any of its motions."""
-    mobile = np.linalg.svd(rows / np.sqrt([mass, mass, inertia]), compute_uv=False)
+    coupling = coupling_of(base)
+    S = coupling.motions
+    inertia = S.T @ inertia_over_mass(base.radius, base.alpha, base.com) @ S * base_mass(base)
+    mobile = np.linalg.svd(coupling.velocity @ S @ np.linalg.inv(np.linalg.cholesky(inertia)).T, compute_uv=False)
     share = 1.0 / float(mobile[mobile > 1e-6 * mobile[0]].min()) ** 2 * float(max(w.radius for w in base.wheels)) ** 2
     at_motor = 1.0 / drive.gear.ratio**2
     motor = drive.motor
@@ -288,10 +311,12 @@ def _wheel_loop(base: WheelBase, drive: BaseDrive, rows: Array, mass: float, ine
     return tune_wheel(axis, at_motor * drive.inertia, dt=TICK)
 
 
-def _known_wheel(radius: float, row: Sequence[float], drive: BaseDrive, loop: WheelLoop) -> tuple[object, ...]:
+def _known_wheel(
+    wheel: Wheel, row: Sequence[float], most: float, drive: BaseDrive, loop: WheelLoop
+) -> tuple[object, ...]:
     """The motor as the plant's own step has it, half a millisecond: what is known of it does not depend on steps."""
     return (
-        *row, radius, drive.inertia, drive.motor.torque_constant,
+        *row, wheel.radius, math.cos(wheel.roller_angle), most, drive.inertia, drive.motor.torque_constant,
         tuple(drive.motor.armature(TICK)), tuple(drive.friction.params(COULOMB_SMOOTHING)), tuple(drive.gear.params()),
         tuple(drive.encoder.params()), tuple(tracking_params(loop.observer_bandwidth, TICK)), tuple(loop.speed),
     )  # fmt: skip

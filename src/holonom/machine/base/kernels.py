@@ -16,13 +16,13 @@ from holonom.control.base_kernels import (
     EstimateParams,
     Planar,
     estimate_step,
-    feasible_rate,
     keeping_step,
     line_keeping_step,
     pose_step,
     reference_at,
     wanted_acceleration,
 )
+from holonom.control.force_kernels import feasible_rate, wrench_of
 from holonom.control.shaping_kernels import drivable_twist, shaping_step
 from holonom.devices.drive_signals import WheelSignals
 from holonom.machine.base.params import BaseParams, BaseTask, Work
@@ -35,6 +35,7 @@ from holonom.machine.base.wheel_kernels import (
     sense,
     set_weights,
     share_force,
+    unseen_twist,
     watch_motors,
     wheel_voltage,
 )
@@ -42,12 +43,27 @@ from holonom.mobile.drive.slip_kernels import SlipState, slip_step
 from holonom.trace.code.loops import loop
 from holonom.trace.code.simd import WIDTH, load, packed, store
 
-__all__ = ["DONE", "HOLD", "PATH", "RUNNING", "STOPPED", "VELOCITY", "control_step", "path_ending", "say"]
+__all__ = [
+    "DONE",
+    "HOLD",
+    "KEEP_BOTH",
+    "KEEP_HEADING",
+    "KEEP_PATH",
+    "PATH",
+    "RUNNING",
+    "STOPPED",
+    "VELOCITY",
+    "control_step",
+    "path_ending",
+    "say",
+]
 
 PATH, VELOCITY, HOLD = 0, 1, 2
 """What a base does: it keeps a path, follows velocities, holds its pose."""
 RUNNING, DONE, STOPPED = 0, 1, 2
 """How far its path is: under way, at its end, stopped by a jammed wheel."""
+KEEP_BOTH, KEEP_PATH, KEEP_HEADING = 0, 1, 2
+"""What is kept where the motors that are left cannot hold path and heading at once."""
 STANDING = 500  # ms after which a base that had to stop is done
 Records = NDArray[np.void]
 
@@ -72,6 +88,8 @@ def control_step(
     twist = _estimate(params.estimate, params.estimate_rows, base, work)
     _refer(params, task.path, base, change, work.now)
     command, ahead = _keep(params, base, work.now)
+    if base.lame != 0 and params.keep != KEEP_BOTH:
+        command = _given_up(params, base, command, twist)
     wanted = wanted_acceleration(params.keeping, command, twist, ahead)
     if base.rate <= 0.0:  # the base had to stop: hold the wheels
         command = wanted = Planar(0.0, 0.0, 0.0)
@@ -114,7 +132,8 @@ def _sense(params: BaseParams, signals: WheelSignals, wheels: Records, states: R
         own = packed(states[i])
         sense(wheels[i], states[i], signals.counters, load(signals.currents, i), i)
         store(work.rims, i, own.rim)
-        store(work.gripping, i, own.rim - creep(params.creep, load(params.grip_per_ampere, i) * own.measured_current))
+        used = load(params.grip_per_ampere, i) * own.measured_current
+        store(work.gripping, i, own.rim - creep(load(params.creep, i), used))
     for i in range(len(params.rows), len(params.estimate_rows)):
         work.rims[i] = 0.0
 
@@ -143,13 +162,13 @@ def _react(params: BaseParams, path: Array, base: Any, wheels: Records, states: 
         return
     new = lost != base.dead
     base.named, base.dead = base.flagged, lost
-    base.jams = set_weights(params.control_traction, states, base.named, work.trust, work.weights)
-    share_force(params.rows, work.weights, work.share, states)
+    base.jams = set_weights(params.control_traction, params.bearing, states, base.named, work.trust, work.weights)
+    share_force(params.pull_rows, params.pull, work.weights, work.share, states)
+    _lame(params, base, work)
     if new and base.jams != 0:
         base.goal = 0.0
     elif new and base.mode == PATH:
-        limit = params.reserve * params.max_force
-        rest = feasible_rate(work.share, path, int(base.phase), params.mass, params.inertia, limit)
+        rest = feasible_rate(work.share, path, int(base.phase), params.body, params.path_force)
         base.goal = min(base.goal, rest)
 
 
@@ -213,13 +232,43 @@ def _keep(params: BaseParams, base: Any, reference: Array) -> tuple[Planar, Plan
 
 
 @loop(error_model="numpy", forceinline=True)
+def _lame(params: BaseParams, base: Any, work: Work) -> None:
+    """Find the twist that turns no wheel with a motor, if there is one: forces of those wheels do no work on it."""
+    base.lame = 0
+    if base.dead == 0:
+        return
+    ux, uy, uw, found = unseen_twist(params.rows, work.weights)
+    if found and params.sideways:
+        base.lame, base.unseen_x, base.unseen_y, base.unseen_turn = 1, ux, uy, uw
+
+
+@loop(error_model="numpy", forceinline=True)
+def _given_up(params: BaseParams, base: Any, command: Planar, twist: Planar) -> Planar:
+    """The command with that part of it taken as it is which the motors cannot change: of turning, or of the way.
+
+    What is left of the difference to the present twist is an acceleration that they can make: its momentum has no part
+    along the twist that turns none of their wheels.
+    """
+    x, y, turn = command.x - twist.x, command.y - twist.y, command.turn - twist.turn
+    B, (ux, uy, uw) = params.momentum, (base.unseen_x, base.unseen_y, base.unseen_turn)
+    px = B[0, 0] * ux + B[1, 0] * uy + B[2, 0] * uw
+    py = B[0, 1] * ux + B[1, 1] * uy + B[2, 1] * uw
+    pw = B[0, 2] * ux + B[1, 2] * uy + B[2, 2] * uw
+    missed = px * x + py * y + pw * turn
+    if params.keep == KEEP_PATH:
+        return Planar(command.x, command.y, command.turn - missed / pw)
+    part = missed / (px * px + py * py)
+    return Planar(command.x - part * px, command.y - part * py, command.turn)
+
+
+@loop(error_model="numpy", forceinline=True)
 def _drive(
     params: BaseParams, signals: WheelSignals, command: Planar, wanted: Planar, twist: Planar,
     wheels: Records, states: Records,
 ) -> None:  # fmt: skip
     """Rim speeds and forces for a twist and an acceleration of the base; voltages from them."""
-    force = Planar(params.mass * wanted.x, params.mass * wanted.y, params.inertia * wanted.turn)
-    part = driven_part(states, force, params.max_force)
+    force = wrench_of(params.body, wanted, twist.turn)
+    part = driven_part(wheels, states, force)
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])
         own.rim_reference = rim_speed(wheel, command)

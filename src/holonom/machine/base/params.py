@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from holonom.arrays import Array
 from holonom.control.base_kernels import EstimateParams, KeepingParams, TractionParams, WatchParams
+from holonom.control.force_kernels import Body
 from holonom.control.shaping_kernels import ShapingParams
 from holonom.mobile.drive.slip_kernels import SlipParams
 
@@ -28,12 +29,16 @@ class BaseParams(NamedTuple):
     inverse: Array  # (3, m) D^+: (vx, vy, R w) per rim speed
     quiet: float  # square sum of the residual, (m/s)^2, up to which nothing slips; below 0: ask the detector always
     grip_per_ampere: Array  # (m,) part of its grip that a motor pushes with per ampere; zeros up to whole fours
-    creep: float  # m/s that a wheel slips with all its grip, were it to grow linearly
-    mass: float
-    inertia: float
-    max_force: float  # N that one wheel is asked for, along its rim
+    creep: Array  # (m,) m/s that a rim slips with all its grip, were it to grow linearly; zeros up to whole fours
+    body: Body
+    pull_rows: Array  # (m, 3) rims per motion that wheels allow, weighted by what is kept where not all can be
+    pull: Array  # (3, 3) force on base_link to the same weighted motions: what wheels take up sideways is left out
+    momentum: Array  # (3, 3) momentum and angular momentum about base_link per twist
+    keep: int  # BOTH, PATH or HEADING, where lost motors leave only one of them
+    max_force: Array  # (m,) N that each wheel is asked for, along its rim
+    bearing: Array  # (m,) weights of the wheels in the allocation of force: what each carries, over the mean
     max_rim: float  # m/s that a wheel reaches
-    reserve: float  # part of the force that a slowed-down path may need
+    path_force: Array  # (m,) N that a path which is slowed down may need of each wheel
     rate_change: float  # 1/s, how fast the path may be slowed down
     sideways: bool  # whether it can move in all directions
     detect: bool  # slip detection: leave the slipping wheel out of estimate and allocation
@@ -51,7 +56,7 @@ class Work(NamedTuple):
     """Arrays of the controller: `trust`, `weights`, `share` and `last` are kept, the others are scratch."""
 
     trust: Array  # (m + k,) which wheels are believed, and the directions in which none moves
-    weights: Array  # (m,) which are asked for force
+    weights: Array  # (m,) how much they are asked for force
     share: Array  # (m, 3) their rim forces per force on the base
     rims: Array  # rim speeds, m/s; zeros for the k directions
     gripping: Array  # (4 n,) the same of the wheels, less what a gripping wheel creeps

@@ -19,6 +19,8 @@ KNOWN_WHEEL = np.dtype(
         ("rim_y", F),
         ("rim_turn", F),
         ("radius", F),
+        ("roller_cosine", F),  # of the angle at which its rollers push; 1 of other wheels
+        ("max_force", F),  # N that it is asked for, along its rim
         ("inertia", F),  # wheel and geared rotor, kg m2
         ("torque_constant", F),  # N m/A
         ("armature", layout_of(ArmatureParams)),
@@ -77,6 +79,10 @@ CONTROL_STATE = padded(
         ("named", I),  # those of them that estimate and allocation go by
         ("dead", I),  # motors that are lost
         ("jams", I),  # those of them that are jammed
+        ("lame", I),  # 1: the motors that are left cannot push every way
+        ("unseen_x", F),  # then the twist that turns no wheel which is left
+        ("unseen_y", F),
+        ("unseen_turn", F),
         ("steady", I),  # 1: nothing slips, and the slip detector need not be asked
         ("mode", I),
         ("ended", I),  # how the path ended: RUNNING, DONE, STOPPED

@@ -9,15 +9,17 @@ from typing import Literal
 from holonom.control.path_keeping import EstimateSettings, KeepingSettings
 from holonom.control.shaping import ShapingSettings
 from holonom.control.traction import TractionSettings, WatchSettings
-from holonom.errors import OutOfLimits
+from holonom.errors import OutOfLimits, UnknownName
 from holonom.mobile.drive.base_drive import BaseDrive, BaseSensors
 from holonom.mobile.drive.slip import SlipSettings
 
-__all__ = ["BaseSettings", "Creep", "slip_settings"]
+__all__ = ["KEEP", "BaseSettings", "Creep", "slip_settings"]
 
 CREEP_ERROR = 0.003  # m/s, standard deviation of what is not known of a gripping wheel's creep
 COUNT_RATE = 120.0  # 1/s, standard deviation of measured speed per encoder count, through the wheels' observer
 LEAST_RATE_NOISE = 2e-3  # rad/s
+KEEP = ("both", "path", "heading")
+"""What a base keeps once the motors that are left cannot hold path and heading at once."""
 TILT = 0.1  # m/s2, of a floor that is not quite level
 
 
@@ -84,6 +86,8 @@ class BaseSettings:
     creep
         What is known of gripping wheels; None: what whoever knows the floor says of it. What wheels creep at their
         present currents is no slip.
+    keep
+        One of `KEEP`: what is kept where lost motors leave only one of them. "both" asks for both, and gets neither.
     friction
         Friction coefficient that the force asked of a wheel counts on.
 
@@ -102,6 +106,7 @@ class BaseSettings:
     sensors: BaseSensors = field(default_factory=BaseSensors)
     friction: float = 0.6
     creep: Creep | None = None
+    keep: str = "both"
 
     def without_motors(self) -> BaseSettings:
         """Return the settings for drives that turn as they are told: no current tells of slip or of lost motors."""
@@ -110,3 +115,5 @@ class BaseSettings:
     def __post_init__(self) -> None:
         if not 0.0 < self.friction < math.inf:
             raise OutOfLimits(f"BaseSettings: friction is {self.friction!r}; it must be finite and greater than 0")
+        if self.keep not in KEEP:
+            raise UnknownName("thing to keep", self.keep, KEEP)

@@ -9,12 +9,24 @@ from holonom.control.base_uncertainty import UncertaintySettings
 from holonom.control.path_keeping import EstimateSettings
 from holonom.machine.base.settings import Creep
 from holonom.mobile.base.wheel_base import WheelBase
-from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive, BaseSensors, base_mass, load_shares
+from holonom.mobile.drive.base_drive import (
+    GRAVITY,
+    BaseDrive,
+    BaseSensors,
+    base_mass,
+    rest_loads,
+    roller_cosines,
+    supports,
+)
+from holonom.mobile.drive.coupling import base_twist
+from holonom.mobile.drive.sharing import shared_forces
+from holonom.numeric.contact_loads import pushing_loads
 
 __all__ = ["pose_uncertainty"]
 
 
 MORE = 1.4  # creep grows faster than force where wheels push hard
+LEAST_SHARE = 1e-3  # of the weight, that a wheel counts for at least
 PARTS = 24  # directions of acceleration that are looked at
 
 
@@ -23,8 +35,8 @@ def pose_uncertainty(
 ) -> UncertaintySettings:
     """Return the settings of the covariance of a base's dead reckoning.
 
-    Wheels creep by rim force over load. Force comes from acceleration (split with least squares, over loads that it
-    shifts) and from the rollers' drag.
+    Wheels creep by rim force over load. Force comes from acceleration (split by what each wheel carries, over loads
+    that it shifts) and from the rollers' drag.
     """
     ahead, left, turn = _creep(base, creep.slope)
     odd = 0.5 * (turn - np.roll(turn, PARTS // 2))
@@ -44,11 +56,13 @@ def pose_uncertainty(
 def _creep(base: WheelBase, slope: float) -> tuple[float, float, Array]:
     """False velocity per acceleration ahead and to the left, s; false turning (PARTS,), rad/s, at 1 m/s^2 any way."""
     D, mass = base.velocity_coupling * [1.0, 1.0, base.radius], base_mass(base)
-    support, count = load_shares(base), len(D)
     angle = 2.0 * np.pi * np.arange(PARTS) / PARTS
     a = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle])
-    force = D @ np.linalg.pinv(D.T @ D) @ (mass * a)
-    loads = GRAVITY * support[:count, :1] - base.com_height * support[:count, 1:] @ a[:2]
-    slip = MORE * slope * force / (mass * loads)
-    twist = np.linalg.pinv(D) @ slip
+    force = shared_forces(base, a.T).T
+    at, count = supports(base), len(D)
+    shares, stands = pushing_loads(at, -base.com_height / GRAVITY * a[:2].T)
+    loads = np.where(stands[:, None], mass * GRAVITY * shares[:, :count], rest_loads(base))  # one that tips: as at rest
+    least = np.maximum(loads.T, LEAST_SHARE * mass * GRAVITY)
+    slip = MORE * slope * force / least / roller_cosines(base)[:, None] ** 2
+    twist = base_twist(base, slip.T).T
     return float(abs(twist[0, 0])), float(abs(twist[1, PARTS // 4])), (D[:, 2] @ slip) / (D[:, 2] @ D[:, 2])

@@ -5,6 +5,7 @@ What is called `wheel` and `own` is four wheels and their states, `packed`. Whol
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -18,12 +19,12 @@ from holonom.control.base_kernels import (
     Suspicion,
     TractionParams,
     WatchParams,
-    allocation,
     traction_step,
     watch_step,
     watch_verdict,
     within_slip,
 )
+from holonom.control.force_kernels import allocation
 from holonom.control.kernels import speed_step
 from holonom.devices.kernels import (
     EncoderParams,
@@ -33,7 +34,7 @@ from holonom.devices.kernels import (
     friction_torque,
     tracking_step,
 )
-from holonom.mobile.drive.slip_kernels import NO_SLIP
+from holonom.mobile.drive.slip_kernels import AMBIGUOUS, SLIP
 from holonom.trace.code.compiled import select
 from holonom.trace.code.loops import loop
 from holonom.trace.code.simd import WIDTH, largest, packed
@@ -47,6 +48,7 @@ __all__ = [
     "sense",
     "set_weights",
     "share_force",
+    "unseen_twist",
     "watch_motors",
     "wheel_voltage",
 ]
@@ -83,7 +85,8 @@ def watch_motors(params: WatchParams, wheels: Records, states: Records, m: int, 
         wheel, own, lane = wheels[i // WIDTH], states[i // WIDTH], i % WIDTH
         if own.lost[lane] == WORKS:
             reference = wheel.gear.ratio[lane] * own.rim_reference[lane] / wheel.radius[lane]
-            explained = base.status != NO_SLIP and base.flagged != 1 << i
+            slips = base.status == SLIP or base.status == AMBIGUOUS
+            explained = slips and base.flagged != 1 << i
             before = Suspicion(own.open[lane], own.stuck[lane])
             after = watch_step(
                 params, before, own.measured_current[lane], own.modelled_current[lane], own.seen_speed[lane],
@@ -99,24 +102,59 @@ def watch_motors(params: WatchParams, wheels: Records, states: Records, m: int, 
 
 
 @loop(error_model="numpy", forceinline=True)
-def set_weights(traction: bool, states: Records, named: int, trust: Array, weights: Array) -> int:
+def set_weights(traction: bool, bearing: Array, states: Records, named: int, trust: Array, weights: Array) -> int:
     """Which wheels are believed (one without current turns freely) and asked for force; set of those that jam."""
     jams = 0
     for i in range(len(weights)):
         slips, lost = (named >> i) & 1 == 1, states[i // WIDTH].lost[i % WIDTH]
         jams |= (1 << i) if lost == JAMMED else 0
         trust[i] = 0.0 if slips or lost == JAMMED else 1.0
-        weights[i] = 0.0 if lost != WORKS else SLIPPING_WEIGHT if slips and traction else 1.0
+        weights[i] = 0.0 if lost != WORKS else bearing[i] * (SLIPPING_WEIGHT if slips and traction else 1.0)
     return jams
 
 
 @loop(error_model="numpy", forceinline=True)
-def share_force(rows: Array, weights: Array, share: Array, states: Records) -> None:
-    """Share the force on the base among the wheels, in `share` (m, 3) and in their states."""
+def share_force(rows: Array, pull: Array, weights: Array, share: Array, states: Records) -> None:
+    """Share the force on the base among the wheels, in `share` (m, 3) and in their states.
+
+    `rows` (m, 3) are rims per motion that wheels allow, `pull` (3, 3) takes a force on base_link to such motions.
+    """
     allocation(rows, weights, share)
     for i in range(len(share)):
+        a, b, c = share[i, 0], share[i, 1], share[i, 2]
+        for j in range(3):
+            share[i, j] = a * pull[0, j] + b * pull[1, j] + c * pull[2, j]
         own, lane = states[i // WIDTH], i % WIDTH
         own.force_x[lane], own.force_y[lane], own.force_turn[lane] = share[i, 0], share[i, 1], share[i, 2]
+
+
+@loop(error_model="numpy", forceinline=True)
+def unseen_twist(rows: Array, weights: Array) -> tuple[float, float, float, bool]:
+    """Twist that turns none of the wheels that count, of length 1, and whether there is one.
+
+    A row of the adjugate of their normal matrix; w counts by the rows' own lever.
+    """
+    xx = yy = ww = xy = xw = yw = lever = 0.0
+    for i in range(rows.shape[0]):
+        lever = max(lever, abs(rows[i, 2]))
+    for i in range(rows.shape[0]):
+        if weights[i] > 0.0:
+            x, y, w = rows[i, 0], rows[i, 1], rows[i, 2] / lever
+            xx, yy, ww, xy, xw, yw = xx + x * x, yy + y * y, ww + w * w, xy + x * y, xw + x * w, yw + y * w
+    x0, y0, w0 = yy * ww - yw * yw, xw * yw - xy * ww, xy * yw - xw * yy
+    y1, w1, w2 = xx * ww - xw * xw, xy * xw - xx * yw, xx * yy - xy * xy
+    determinant, usual = xx * x0 + xy * y0 + xw * w0, (xx + yy + ww) / 3.0
+    if determinant > 1e-9 * usual * usual * usual:
+        return 0.0, 0.0, 0.0, False
+    ux, uy, uw = x0, y0, w0
+    if y1 >= x0 and y1 >= w2:
+        ux, uy, uw = y0, y1, w1
+    elif w2 >= x0 and w2 >= y1:
+        ux, uy, uw = w0, w1, w2
+    size = math.sqrt(ux * ux + uy * uy + uw * uw)
+    if size <= 1e-12 * usual * usual:  # one wheel is left, or none: no one twist
+        return 0.0, 0.0, 0.0, False
+    return ux / size, uy / size, uw / size / lever, True
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -132,19 +170,23 @@ def rim_speed(wheel: Any, twist: Planar) -> Any:
 
 
 @loop(error_model="numpy", forceinline=True)
-def driven_part(states: Records, force: Planar, limit: float) -> float:
-    """Part (0 to 1) of a wanted force (N, N, N m) that no wheel needs more than `limit` (N) for, by its shares."""
-    worst = limit
+def driven_part(wheels: Records, states: Records, force: Planar) -> float:
+    """Part (0 to 1) of a wanted force (N, N, N m) that no wheel needs more than its largest one for, by its shares."""
+    worst = 1.0
     for i in range(len(states)):
-        worst = max(worst, largest(abs(rim_force(packed(states[i]), force))))
-    return limit / worst
+        worst = max(worst, largest(abs(rim_force(packed(states[i]), force)) / packed(wheels[i]).max_force))
+    return 1.0 / worst
 
 
 @loop(error_model="numpy", forceinline=True)
 def control_traction(params: TractionParams, wheel: Any, own: Any, ground: float, force: float) -> float:
-    """Hold the commanded rim speed near the floor's; return the drive force (N) that is left."""
-    own.cut = traction_step(params, own.cut, own.rim - ground, own.current_reference * wheel.gear.ratio)
-    own.rim_reference = within_slip(params, own.rim_reference, ground)
+    """Hold the commanded rim speed near the floor's; return the drive force (N) that is left.
+
+    A Swedish wheel slips along its rollers' axes, by the cosine of their angle less than its rim.
+    """
+    part = wheel.roller_cosine
+    own.cut = traction_step(params, own.cut, part * (own.rim - ground), own.current_reference * wheel.gear.ratio)
+    own.rim_reference = within_slip(params, part * own.rim_reference, part * ground) / part
     return own.cut * force
 
 
@@ -164,7 +206,7 @@ def wheel_voltage(wheel: Any, own: Any, force: float, acceleration: float) -> No
 
 @loop(error_model="numpy", forceinline=True)
 def creep(full: float, used: float) -> float:
-    """Slip (m/s) of a gripping wheel that uses a part of its grip; half as much again with all of it.
+    """Slip (m/s) of the rim of a gripping wheel that uses a part of its grip; half as much again with all of it.
 
     Nearly the magic formula's, which rises without bound towards the peak.
     """

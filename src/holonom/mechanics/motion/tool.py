@@ -63,8 +63,8 @@ class LineArm(Protocol):
     def jacobian(self, q: Array, *, frame: Literal["world"]) -> Array:
         """Jacobians (..., 6, n), [v; w] of the tool point in world axes, of q (..., n)."""
 
-    def ik(self, T: Array) -> InverseSolutions:
-        """All branches that reach T_wt (..., 4, 4)."""
+    def ik(self, T: Array, q0: Array) -> InverseSolutions:
+        """All branches that reach T_wt (..., 4, 4); joints beside the way to the tool stay as in q0 (n,)."""
 
 
 class ToolLimits(NamedTuple):
@@ -222,7 +222,7 @@ def _followed(arm: LineArm, start: Array, course: Course, s: Array) -> tuple[Arr
     a turn.
     """
     T = course.poses(s)
-    solutions = arm.ik(T)
+    solutions = arm.ik(T, start)
     branch = _branch(solutions, start, arm.limits.turns)
     if branch is not None and np.isin(solutions.status[:, branch], (IkStatus.OK, IkStatus.LIMIT)).all():
         q = np.unwrap(solutions.q[:, branch], axis=0)

@@ -13,6 +13,8 @@ from holonom.arrays import Array, finite, is_finite, is_number, shown, vectors
 from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError
 from holonom.mobile.base import equations as base_equations
 from holonom.mobile.base.castors import CastorRates, castor_rates
+from holonom.mobile.base.drivable import Wedges, tightest_curve
+from holonom.mobile.base.dynamics import free_motions, inertia_over_mass, reaction
 from holonom.mobile.base.mobility import check_movable, seen_twists
 from holonom.mobile.base.refusals import beyond_steering, dragged_wheel, undetermined
 from holonom.mobile.base.wheel import KINDS, Wheel
@@ -44,7 +46,7 @@ class WheelBase:
     radius
         R, m: scales turning, as R w beside vx and vy. None: root mean square distance of the wheels from the origin.
     alpha
-        Mass distribution, inertia = alpha mass R^2: 1/2 a disc, 1 a ring.
+        Mass distribution, inertia about the centre of mass = alpha mass R^2: 1/2 a disc, 1 a ring.
     mass
         kg; None where it does not matter.
     com, com_height
@@ -224,7 +226,9 @@ class WheelBase:
     def twist(
         self, speeds: ArrayLike, steering: ArrayLike | None = None, *, out: Array | None = None, threads: int = 1
     ) -> Array:
-        """Forward model: twist (..., 3) that fits rolling and sliding constraints best, least squares in m/s.
+        """Forward model: twist (..., 3) that keeps the sliding constraints and fits the driven rims best, in m/s.
+
+        Steered wheels whose axles do not meet in one point lead where they are dragged least.
 
         Parameters
         ----------
@@ -261,15 +265,40 @@ class WheelBase:
     def feasible(self, twist: ArrayLike, steering: ArrayLike | None = None) -> Array:
         """Nearest twist (..., 3), in (vx, vy, R w), that drags no wheel.
 
-        `steering` (..., k) holds the wheels there; None lets them steer: fixed wheels are obeyed first, then steered
-        ones are turned to what is left, then what shared steering cannot follow is taken away.
+        `steering` (..., k) holds the wheels there; None lets them steer: fixed wheels are obeyed first, and limits of
+        steering (`max_steering`) kept, then steered ones are turned to what is left, then what shared steering cannot
+        follow is taken away.
         """
         twists = vectors("twist", twist, 3)
         if steering is None and self.steered:
-            fixed = [not i for i in self._is_steered]
-            twists = self._projected(twists, self.sliding_matrix()[fixed])
+            scale = np.array([1.0, 1.0, self.radius])
+            twists = (self._wedges.nearest((twists * scale).reshape(-1, 3)) / scale).reshape(twists.shape)
             steering = self.steering(twists)
         return self._projected(twists, self.sliding_matrix(steering))
+
+    @property
+    def turning_radius(self) -> float:
+        """Radius, m, of the tightest curve that the origin of base_link can drive to either side.
+
+        0 where it turns on the spot, infinite where it cannot turn.
+        """
+        return tightest_curve(self._wedges, self.radius)
+
+    @functools.cached_property
+    def _wedges(self) -> Wedges:
+        groups = zip(self.layout.groups, self._max_steering, strict=True)
+        limited = [(self.wheels[i], limit) for members, limit in groups for i in members]
+        fixed = [not i for i in self._is_steered]
+        held = self.sliding_matrix()[fixed] * np.array([1.0, 1.0, 1.0 / self.radius])
+        return Wedges(limited, self._together(held), self.radius)
+
+    def _together(self, held: Array) -> Array:
+        """The sliding rows of fixed wheels, and that a base whose wheels all steer as one does not turn."""
+        shared = [group for group in self.layout.groups if len(group) > 1]
+        lone = any(len(group) == 1 for group in self.layout.groups)
+        apart = [len({(self.wheels[i].x, self.wheels[i].y) for i in group}) > 1 for group in shared]
+        never = np.array([[0.0, 0.0, 1.0]]) if any(apart) and not lone and not len(held) else np.empty((0, 3))
+        return np.concatenate([held, never])
 
     @functools.cached_property
     def _is_steered(self) -> list[bool]:
@@ -322,12 +351,16 @@ class WheelBase:
 
     @property
     def force_coupling(self) -> Array:
-        """C_alpha (3, m) = diag(1, 1, 1/alpha) D^T: (ax, ay, R wd) = C_alpha f / mass for rim forces f, N."""
-        return np.array([1.0, 1.0, 1.0 / self.alpha])[:, None] * self.velocity_coupling.T
+        """C_alpha (3, m): (ax, ay, R wd) = C_alpha f / mass for rim forces f, N, at rest.
+
+        diag(1, 1, 1/alpha) D^T where the centre of mass lies at the origin and no wheel must not slide sideways.
+        """
+        motions = free_motions(self.sliding_matrix() * np.array([1.0, 1.0, 1.0 / self.radius]))
+        return reaction(motions, inertia_over_mass(self.radius, self.alpha, self.com)) @ self.velocity_coupling.T
 
     @property
     def velocity_coupling_inverse(self) -> Array:
-        """D^+ (3, m): (vx, vy, R w) = D^+ m for rim speeds m; without the sliding constraints (`twist` obeys those)."""
+        """D^+ (3, m): (vx, vy, R w) = D^+ m for rim speeds m; without the sliding constraints (`twist` keeps those)."""
         return np.asarray(np.linalg.pinv(self.velocity_coupling, rcond=1e-10), dtype=np.float64)
 
     @property
@@ -355,10 +388,10 @@ class WheelBase:
 
     @functools.cached_property
     def _forward(self) -> Array:
-        """(m, 3): rows of wheel speeds times this are twists, by the pseudoinverse of all constraints."""
+        """(m, 3): rows of wheel speeds times this are twists, `S (D S)^+` with S the motions that drag no wheel."""
         scale = np.array([1.0, 1.0, 1.0 / self.radius])
-        rows = np.concatenate([self.rolling_matrix()[self._driven_rows], self.sliding_matrix()]) * scale
-        if np.linalg.matrix_rank(rows, tol=1e-7) < 3:
+        S = free_motions(self.sliding_matrix() * scale)
+        seen = (self.rolling_matrix()[self._driven_rows] * scale) @ S
+        if np.linalg.matrix_rank(seen, tol=1e-7) < S.shape[1]:
             raise undetermined(self)
-        pinv = np.linalg.pinv(rows)[:, : len(self.driven)]
-        return np.ascontiguousarray((scale[:, None] * pinv * self.wheel_radii).T)
+        return np.ascontiguousarray((scale[:, None] * (S @ np.linalg.pinv(seen)) * self.wheel_radii).T)

@@ -11,9 +11,11 @@
 `wheels_of`             wheels and steered wheels of a drive, in the order of the columns
 `dead_reckoning`        poses of a run by odometry
 `path_errors`           the four error measures, `PathErrors`
+`clock_offset`          by how much the truth's clock is late; `on_the_clock_of_the_wheels` puts that right
 ======================  ====================================================================
 """
 
+from holonom.mobile.calibration.clocks import clock_offset, on_the_clock_of_the_wheels
 from holonom.mobile.calibration.least_squares import Calibration, calibrate, held_out_errors
 from holonom.mobile.calibration.parameters import DRIVES, SETS, DriveParameters, article, drive_parameters, wheels_of
 from holonom.mobile.calibration.runs import PathErrors, Run, dead_reckoning, path_errors
@@ -29,9 +31,11 @@ __all__ = [
     "UMBmark",
     "article",
     "calibrate",
+    "clock_offset",
     "dead_reckoning",
     "drive_parameters",
     "held_out_errors",
+    "on_the_clock_of_the_wheels",
     "path_errors",
     "umbmark",
     "wheels_of",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from holonom.mobile.calibration.limits import attainable, classical, largest_err
 from holonom.mobile.calibration.parameters import DriveParameters, article, drive_parameters, wheels_of
 from holonom.mobile.calibration.residuals import Problem, path_lever, solve
 from holonom.mobile.calibration.runs import PathErrors, Run, dead_reckoning, need_truth, path_errors
-from holonom.mobile.calibration.uncertainty import check_excitation, random_walk_covariance
+from holonom.mobile.calibration.uncertainty import check_excitation, noise_covariance, sureness
 
 __all__ = ["Calibration", "calibrate", "held_out_errors"]
 
@@ -32,6 +33,7 @@ class Calibration:
     matrix : (3, f) motion matrix: features of a sample (see `Run.features`) to increments of the base.
     lever : m/rad, by which headings were weighted.
     before, after : errors of odometry along the runs.
+    clocks : (runs,) s by which the truth's clock is behind that of the wheels; NaN where the motion does not tell it.
     limits : (4,) that the largest errors keep, distance and heading on the way and at the end, m and rad; infinite
         where free.
     growth : of the root mean square of the errors over that of least squares without limits, as a share.
@@ -49,6 +51,7 @@ class Calibration:
     lever: float
     before: PathErrors
     after: PathErrors
+    clocks: Array
     limits: Array
     growth: float
 
@@ -73,13 +76,14 @@ def calibrate(
     rule: str = "midpoint",
     lever: float | None = None,
     final_weight: float = 1.0,
-    limits: Sequence[float] | None = None,
+    limits: Sequence[float] | Literal["classical"] | None = None,
 ) -> Calibration:
     """Calibrate a drive so that its odometry follows the truth.
 
     Minimises, over all runs, the mean square error of the pose along the run plus `final_weight` squared times the
-    square error at its end; headings count by `lever`. The derivatives go through the integration. Where that breaks
-    `limits` of the largest errors, the smallest such sum that keeps them.
+    square error at its end; headings count by `lever`. The derivatives go through the integration. Where each run
+    starts, and by how much the truth's clock is late, is found with it. Where that breaks `limits` of the largest
+    errors, if any are given, the smallest such sum that keeps them: no better estimate, but one within limits.
 
     Parameters
     ----------
@@ -90,9 +94,9 @@ def calibrate(
     rule : of integration.
     lever : m/rad; how far the truth goes from the start of a run unless given.
     final_weight : of the end of a run beside the way.
-    limits : (4,) largest distance and heading on the way, and at the end, m and rad. Unless given those of a classical
-        calibration for the extended set, physical parameters from the ends of the runs; none for the physical set.
-        Below a millionth of the lever, and of a radian, they count as that.
+    limits : (4,) largest distance and heading on the way, and at the end, m and rad; "classical": for the extended set
+        those of a classical calibration, physical parameters from the ends of the runs. None unless given. Below a
+        millionth of the lever, and of a radian, they count as that.
 
     Raises
     ------
@@ -107,9 +111,12 @@ def calibrate(
     parameters = drive_parameters(drive, nominal, set_name)
     problem = Problem(_checked(runs, drive), parameters, rule, _lever(runs, lever), _weight(final_weight))
     x = _solved(problem)
+    periods = [float(np.median(np.diff(run.time))) for run in problem.runs]
+    problem = replace(problem, sureness=sureness(problem.parts(x), periods))
+    x = solve(problem, x)
     parts = problem.parts(x)
-    covariance = random_walk_covariance(parts)
-    values = check_excitation(problem.residuals(x)[1], parameters, covariance)
+    covariance = noise_covariance(parts)
+    values = check_excitation(problem.residuals(x)[1], parameters, _relative(problem, x, covariance))
     _check_reach(x, parameters)
     x, bounds, growth = _limited(problem, x, nominal, limits)
     scale = parameters.scale
@@ -118,7 +125,7 @@ def calibrate(
         drive, set_name, parameters.names, parameters.nominal, problem.values(x),
         scale * np.sqrt(np.diagonal(covariance)), covariance * np.outer(scale, scale), values, M, problem.lever,
         _errors(runs, parameters.matrix(parameters.nominal), rule), _errors(runs, M, rule),
-        bounds, growth,
+        np.array([part.clock for part in parts]), bounds, growth,
     )  # fmt: skip
 
 
@@ -145,6 +152,14 @@ def held_out_errors(
     return path_errors(runs, paths)
 
 
+def _relative(problem: Problem, x: Array, covariance: Array) -> Array:
+    """Covariance with lengths by what came out where that is less than their nominal value: 1/L runs away downwards."""
+    drive = problem.drive
+    found = np.where(drive.scale == drive.nominal, np.abs(problem.values(x)), drive.scale)
+    stretch = np.maximum(drive.scale / np.maximum(found, 1e-12), 1.0)
+    return covariance * np.outer(stretch, stretch)
+
+
 def _solved(problem: Problem) -> Array:
     zero = np.zeros(len(problem.drive.names))
     check_excitation(problem.residuals(zero)[1], problem.drive)
@@ -152,20 +167,20 @@ def _solved(problem: Problem) -> Array:
 
 
 def _limited(
-    problem: Problem, x: Array, nominal: Mapping[str, float], limits: Sequence[float] | None
+    problem: Problem, x: Array, nominal: Mapping[str, float], limits: Sequence[float] | Literal["classical"] | None
 ) -> tuple[Array, Array, float]:
     """Parameters within limits, the limits, and how much the errors grew."""
-    drive, free = problem.drive, np.full(4, np.inf)
-    if limits is not None:
-        bounds = _four(limits)
-    elif drive.set == "physical":
+    drive, free, told = problem.drive, np.full(4, np.inf), limits == "classical"
+    if limits is None or (told and drive.set == "physical"):
         return x, free, 0.0
-    else:
+    if told:
         plain = replace(problem, drive=drive_parameters(drive.drive, nominal))
         bounds = largest_errors(plain, classical(plain))
+    else:
+        bounds = _four(limits)
     bounds = attainable(problem, bounds)
     kept = within(problem, x, bounds)
-    if kept is None and limits is not None:
+    if kept is None and not told:
         raise CalibrationError(_unkept(bounds, drive))
     if kept is None:
         return x, free, 0.0
@@ -173,7 +188,7 @@ def _limited(
     return kept, bounds, new / max(old, 1e-300) - 1.0
 
 
-def _four(limits: Sequence[float]) -> Array:
+def _four(limits: object) -> Array:
     try:
         bounds = np.asarray(limits, dtype=np.float64)
     except (TypeError, ValueError):

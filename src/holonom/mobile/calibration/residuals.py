@@ -1,4 +1,9 @@
-"""What least squares makes small: errors of the pose along the runs and at their ends, with their derivatives."""
+"""What least squares makes small: errors of the pose along the runs and at their ends, with their derivatives.
+
+Each run has four unknowns of its own, which are fitted and forgotten: the pose at its start, which the truth measures
+no better than any other, and the offset of the truth's clock. They enter linearly, so they are projected out (Golub &
+Pereyra, variable projection, 1973, in Kaufman's form), together with rows that say how sure they are beforehand.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +19,11 @@ from holonom.mobile.calibration.runs import Run
 from holonom.mobile.odometry.integrate import rule_named
 from holonom.mobile.odometry.kernels import sensitivities_into
 
-__all__ = ["Problem", "RunPart", "path_lever", "solve"]
+__all__ = ["SURE", "Problem", "RunPart", "path_lever", "solve"]
 
 
+TOLD = 1e-4  # share of an effect that must be its own: less of it is rounding
+SURE = 1e12  # weight of what is as good as known
 EVALUATIONS = 60  # of the residuals; a determined problem takes about ten
 
 
@@ -28,6 +35,11 @@ class RunPart:
     ----------
     error : (N, 3) pose by odometry minus truth; headings without jumps.
     slope : (N, 3, p) its derivatives by the scaled parameters.
+    free_error, free_slope : the same less what another start and another clock of the truth take away.
+    prior, prior_slope : (4,), (4, p) what these cost, weighted, and its derivatives.
+    start_effect : (N, 3, 3) what another start (x, y, heading) does to the errors.
+    path : (N, 3) poses by odometry.
+    clock : s by which the truth's clock is behind that of the wheels; NaN where the motion does not tell it.
     weight : (N, 3) of the squares.
     travel : (N,) mean way of the wheels in each sample, rad.
     place : (N, 2) of the truth, m.
@@ -35,6 +47,13 @@ class RunPart:
 
     error: Array
     slope: Array
+    free_error: Array
+    free_slope: Array
+    prior: Array
+    prior_slope: Array
+    start_effect: Array
+    path: Array
+    clock: float
     weight: Array
     travel: Array
     place: Array
@@ -45,7 +64,8 @@ class Problem:
     """Runs, a drive's parameters and weights; the unknown is `x` (p,), `p = nominal + scale x`.
 
     Every run counts alike: the mean square along it, and `final_weight` squared times the square at its end; headings
-    are multiplied by `lever`, m/rad.
+    are multiplied by `lever`, m/rad. `sureness` (runs, 4) are weights of the squares of each run's own unknowns (x, y,
+    heading of its start, s of its clock), large where they are known beforehand.
     """
 
     runs: tuple[Run, ...]
@@ -53,6 +73,7 @@ class Problem:
     rule: str
     lever: float
     final_weight: float
+    sureness: Array | None = None
 
     def values(self, x: Array) -> Array:
         """Parameters (p,) of an unknown."""
@@ -63,17 +84,20 @@ class Problem:
         p = self.values(x)
         M, dM = np.ascontiguousarray(self.drive.matrix(p)), self.drive.slopes(p) * self.drive.scale
         flat = dM.reshape(-1, len(p))
-        return [self._part(run, M, flat) for run in self.runs]
+        sure = np.full((len(self.runs), 4), SURE) if self.sureness is None else self.sureness
+        return [self._part(run, M, flat, own) for run, own in zip(self.runs, sure, strict=True)]
 
     def residuals(self, x: Array) -> tuple[Array, Array]:
         """Weighted errors (n,) and their derivatives (n, p)."""
         parts = self.parts(x)
         roots = [np.sqrt(part.weight) for part in parts]
-        r = np.concatenate([(part.error * w).ravel() for part, w in zip(parts, roots, strict=True)])
-        J = np.concatenate([(q.slope * w[..., None]).reshape(-1, len(x)) for q, w in zip(parts, roots, strict=True)])
-        return r, J
+        r, J = [], []
+        for part, root in zip(parts, roots, strict=True):
+            r += [(part.free_error * root).ravel(), part.prior]
+            J += [(part.free_slope * root[..., None]).reshape(-1, len(x)), part.prior_slope]
+        return np.concatenate(r), np.concatenate(J)
 
-    def _part(self, run: Run, M: Array, dM: Array) -> RunPart:
+    def _part(self, run: Run, M: Array, dM: Array, sure: Array) -> RunPart:
         share, exact = rule_named(self.rule)
         features = np.ascontiguousarray(run.features)
         n, m = features.shape
@@ -85,7 +109,51 @@ class Problem:
         weight = np.full(n, 1.0 / n)
         weight[-1] += self.final_weight**2
         weight = weight[:, None] * np.array([1.0, 1.0, self.lever**2]) / len(self.runs)
-        return RunPart(error, slopes @ dM, weight, np.abs(run.turns).mean(axis=1), run.truth[:, :2])
+        slope = slopes @ dM
+        own = _own(run, poses, np.sqrt(weight), sure)
+        (free_error, prior), (free_slope, prior_slope) = own.freed(error[..., None]), own.freed(slope)
+        travel = np.abs(run.turns).mean(axis=1)
+        return RunPart(
+            error, slope, free_error[..., 0], free_slope, prior[:, 0], prior_slope, own.effects[..., :3], poses,
+            own.clock(error), weight, travel, run.truth[:, :2],
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class _Own:
+    """Unknowns of one run: effects (N, 3, 4), roots of weights (N, 3); the inverse of their normal matrix (4, 4)."""
+
+    effects: Array
+    root: Array
+    inverse: Array
+    sure: Array
+
+    def freed(self, values: Array) -> tuple[Array, Array]:
+        """Values (N, 3, k) less what the run's own unknowns explain of them, weighted; and what these cost (4, k)."""
+        weighted = (self.effects * self.root[..., None] ** 2).reshape(-1, 4)
+        found = self.inverse @ (weighted.T @ values.reshape(-1, values.shape[2]))
+        return values - self.effects @ found, -np.sqrt(self.sure)[:, None] * found
+
+    def clock(self, error: Array) -> float:
+        """Offset of the truth's clock, s, by errors (N, 3); NaN where another start would look the same."""
+        weighted = (self.effects * self.root[..., None] ** 2).reshape(-1, 4)
+        G, g = weighted.T @ self.effects.reshape(-1, 4), weighted.T @ error.ravel()
+        by_start = np.linalg.lstsq(G[:3, :3], G[:3, 3], rcond=None)[0]
+        alone = float(G[3, 3] - by_start @ G[:3, 3])
+        return float(g[3] - by_start @ g[:3]) / alone if alone > TOLD**2 * float(G[3, 3]) else float("nan")
+
+
+def _own(run: Run, poses: Array, root: Array, sure: Array) -> _Own:
+    """What another start (x, y, heading) and a later clock of the truth do to the errors of a run."""
+    effects = np.zeros((len(poses), 3, 4))
+    effects[:, 0, 0] = effects[:, 1, 1] = effects[:, 2, 2] = 1.0
+    effects[:, 0, 2], effects[:, 1, 2] = poses[0, 1] - poses[:, 1], poses[:, 0] - poses[0, 0]
+    effects[:, :, 3] = np.gradient(poses, run.time, axis=0)
+    flat = (effects * root[..., None]).reshape(-1, 4)
+    normal = flat.T @ flat + np.diag(sure)
+    size = np.sqrt(np.maximum(np.diagonal(normal), 1e-300))
+    inverse = np.linalg.pinv(normal / np.outer(size, size), rcond=TOLD**2, hermitian=True) / np.outer(size, size)
+    return _Own(effects, root, inverse, sure)
 
 
 def path_lever(runs: Sequence[Run]) -> float:
@@ -96,8 +164,17 @@ def path_lever(runs: Sequence[Run]) -> float:
 
 def solve(problem: Problem, start: Array) -> Array:
     """Least squares (p,) from a start, by Levenberg and Marquardt."""
+    last: dict[bytes, tuple[Array, Array]] = {}
+
+    def at(x: Array) -> tuple[Array, Array]:
+        """Residuals and derivatives come together: the second question for the same x costs nothing."""
+        if x.tobytes() not in last:
+            last.clear()
+            last[x.tobytes()] = problem.residuals(x)
+        return last[x.tobytes()]
+
     found = optimize.least_squares(
-        lambda x: problem.residuals(x)[0], start, jac=lambda x: problem.residuals(x)[1], method="lm",
+        lambda x: at(x)[0], start, jac=lambda x: at(x)[1], method="lm",
         xtol=1e-10, ftol=1e-10, max_nfev=EVALUATIONS,
     )  # fmt: skip
     x: Array = found.x

@@ -2,26 +2,32 @@
 
 Errors of odometry along a path hang together: each slip shifts and turns all that follows. Counting every sample as
 news would promise far too much. Here the noise is a random walk of the base, white per way of the wheels, in both
-directions and in heading; its two intensities come from what calibration leaves. With `H = J^T W J`, an estimate
-moves by `H^-1 S_i` when the base slips in sample i, where S_i sums `J^T W` times the shift over all later samples.
+directions and in heading, beside white noise of the truth's place and heading; their four intensities come from how
+what calibration leaves grows over spans of the runs. With `H = J^T W J`, an estimate moves by `H^-1 S_i` when the base
+slips in sample i, where S_i sums `J^T W` times the shift over all later samples; J is what is left of the derivatives
+without the run's own start and clock.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from holonom.arrays import Array
 from holonom.errors import CalibrationError
 from holonom.mobile.calibration.parameters import DriveParameters
-from holonom.mobile.calibration.residuals import RunPart
+from holonom.mobile.calibration.residuals import SURE, RunPart
 
-__all__ = ["check_excitation", "random_walk_covariance"]
+__all__ = ["Noise", "check_excitation", "noise_covariance", "noise_of", "sureness"]
 
 
+SURER = 100.0  # square of how much surer a start is by a way than by its first sample
+SPANS = 4  # of the longest kind that a run has at least
 UNSEEN = 1e-7  # relative singular value below which a combination has no effect at all
 OPEN = 0.3  # standard deviation of a combination, relative to the parameters' scale, above which it is left open
 MOST = 4  # names in a message
@@ -42,42 +48,109 @@ ADVICE = {
 
 @dataclass(frozen=True, slots=True)
 class _Scores:
-    """Of one component of the error: effect of a shift (N, p, 2) and of a turn (N, p) in each sample."""
+    """Effect of a shift (N, p, 2) and of a turn (N, p) in each sample on `J^T W e`."""
 
     shift: Array
     turn: Array
 
 
-def random_walk_covariance(parts: Sequence[RunPart]) -> Array:
+def noise_covariance(parts: Sequence[RunPart]) -> Array:
     """Covariance (p, p) of the scaled parameters at the least squares solution.
 
-    Source: the usual sandwich `H^-1 S H^-1` (White 1980), with S of the random walk above.
+    Source: the usual sandwich `H^-1 S H^-1` (White 1980), with S of the noise above.
     """
+    q = noise_of(parts)
     p = parts[0].slope.shape[2]
-    H = {c: np.zeros((p, p)) for c in ("place", "heading")}
-    S = {c: np.zeros((2, p, p)) for c in ("place", "heading")}  # of unit intensity of shifts, of turns
-    total, prior = np.zeros((2, p, p)), np.zeros((2, 2))
+    H, S = np.zeros((p, p)), np.zeros((p, p))
     for part in parts:
+        J, w = part.free_slope, part.weight
+        H += np.einsum("kcp,kc,kcq->pq", J, w, J, optimize=True)
         scores = _scores(part)
-        both = _Scores(scores[0].shift + scores[1].shift, scores[0].turn + scores[1].turn)
-        total += _outer(both, both, part.travel)
-        prior += _energy(part)
-        for name, score, columns in zip(H, scores, (slice(0, 2), slice(2, 3)), strict=True):
-            J, w = part.slope[:, columns], part.weight[:, columns]
-            H[name] += np.einsum("kcp,kc,kcq->pq", J, w, J, optimize=True)
-            S[name] += _outer(score, both, part.travel)
-    inverse = np.linalg.pinv(H["place"] + H["heading"], rcond=UNSEEN**2, hermitian=True)
-    expected = np.empty((2, 2))
-    for row, name in enumerate(H):
-        for noise in range(2):
-            back = inverse @ H[name] @ inverse
-            expected[row, noise] = prior[row, noise] - 2.0 * np.trace(inverse @ S[name][noise])
-            expected[row, noise] += np.trace(back @ total[noise])
-    seen = np.array([sum(float(np.sum(q.weight[:, c] * q.error[:, c] ** 2)) for q in parts) for c in ([0, 1], [2])])
-    scale = np.maximum(seen, 1e-30)
-    intensity = nnls(expected / scale[:, None], seen / scale)[0]
-    covariance: Array = inverse @ np.tensordot(intensity, total, 1) @ inverse
-    return covariance
+        walk = _outer(scores, scores, part.travel)
+        S += q.shift * walk[0] + q.turn * walk[1]
+        white = np.array([q.place, q.place, q.heading])
+        S += np.einsum("kcp,kc,kcq->pq", J, w**2 * white, J, optimize=True)
+        H += part.prior_slope.T @ part.prior_slope
+        start = np.einsum("kcp,kc,kcs->ps", J, w, part.start_effect, optimize=True)  # of the first pose, taken for true
+        S += (start * white) @ start.T
+    inverse = np.linalg.pinv(H, rcond=UNSEEN**2, hermitian=True)
+    return np.asarray(inverse @ S @ inverse)
+
+
+class Noise(NamedTuple):
+    """Intensities of the base's random walk per way of its wheels (m^2/rad, rad^2/rad), variances of the truth."""
+
+    shift: float
+    turn: float
+    place: float
+    heading: float
+
+
+def noise_of(parts: Sequence[RunPart]) -> Noise:
+    """The noise that the errors of odometry show, by how they grow from sample to sample and over longer spans.
+
+    Over a span the base's own motion by the wheels less that by the truth has a variance that grows with the way where
+    the base slips, and one that stays where the truth is noisy (Allan 1966). Its expectation is linear in the four
+    intensities; spans of 1, 2, 4, ... samples are fitted, by nonnegative least squares.
+    """
+    rows, seen, counts = [], [], []
+    for part in parts:
+        truth = part.path - part.free_error
+        for lag in _lags(len(truth)):
+            at = np.arange(0, len(truth) - lag, max(1, lag // 4))
+            ours, theirs = (_moved(poses, at, lag) for poses in (part.path, truth))
+            way = np.cumsum(part.travel)
+            travel, step = float(np.mean(way[at + lag] - way[at])), float(np.mean((ours[:, :2] ** 2).sum(axis=1)))
+            bent = travel * step / 12.0  # what turns inside a span do to its chord, seen half-way round
+            count = np.sqrt(max((len(truth) - lag) / lag, 1.0))
+            for row, square in (
+                ([2.0 * travel, bent, 4.0, 0.5 * step], ((ours - theirs)[:, :2] ** 2).sum(axis=1).mean()),
+                ([0.0, travel, 0.0, 2.0], ((ours - theirs)[:, 2] ** 2).mean()),
+            ):
+                rows.append(row)
+                seen.append(float(square))
+                counts.append(count)
+    b = np.maximum(seen, 1e-30)
+    scale = np.array(counts) / b  # a variance scatters by as much as it is
+    A = np.array(rows) * scale[:, None]
+    size = np.linalg.norm(A, axis=0)
+    size[size == 0.0] = 1.0
+    found = nnls(A / size, b * scale)[0] / size
+    return Noise(*(float(value) for value in found))
+
+
+def sureness(parts: Sequence[RunPart], periods: Sequence[float]) -> Array:
+    """Weights (runs, 4) of the squares of each run's start (x, y, heading) and clock (s).
+
+    The truth's first sample knows the start to its own noise, all samples along the way much better; a clock is trusted
+    to a period of the samples (`clock_offset` finds larger offsets beforehand). Beside that stands what the base's walk
+    makes of the errors: with hardly any noise the start is as good as known, without any walk it is free.
+
+    Parameters
+    ----------
+    periods : (runs,) s.
+    """
+    q = noise_of(parts)
+    white, rows = np.array([q.place, q.place, q.heading]), []
+    for part, period in zip(parts, periods, strict=True):
+        seen = float((part.weight * part.error**2).sum())
+        walk = max(seen - float((part.weight * white).sum()), 0.0)
+        rows.append(np.minimum(walk / np.maximum([*(SURER * white), period**2], 1e-30), SURE))
+    return np.array(rows)
+
+
+def _lags(samples: int) -> list[int]:
+    """Spans, in samples, of which a run has four or more."""
+    return [2**k for k in range(int(np.log2(max(samples // SPANS, 1))) + 1)]
+
+
+def _moved(poses: Array, at: NDArray[np.intp], lag: int) -> Array:
+    """Motion (K, 3) over spans from samples (K,), in the frame half-way round."""
+    step = poses[at + lag] - poses[at]
+    middle = poses[at, 2] + 0.5 * step[:, 2]
+    c, s = np.cos(middle), np.sin(middle)
+    x, y, turn = step.T
+    return np.stack([c * x + s * y, c * y - s * x, turn], axis=1)
 
 
 def check_excitation(J: Array, drive: DriveParameters, covariance: Array | None = None) -> Array:
@@ -121,13 +194,13 @@ def _advice(name: str) -> str:
     return ADVICE[known[0]]
 
 
-def _scores(part: RunPart) -> tuple[_Scores, _Scores]:
-    """Of place and heading: what a shift or a turn in sample i does to `J^T W e`, summed over the samples from i on."""
-    J, w, (x, y) = part.slope, part.weight, part.place.T
+def _scores(part: RunPart) -> _Scores:
+    """What a shift or a turn in sample i does to `J^T W e`, summed over the samples from i on."""
+    J, w, (x, y) = part.free_slope, part.weight, part.place.T
     shift = _later(J[:, :2].transpose(0, 2, 1) * w[:, None, :2])
     swing = _later(w[:, :1] * (x[:, None] * J[:, 1] - y[:, None] * J[:, 0]))
     turn = swing - (x[:, None] * shift[..., 1] - y[:, None] * shift[..., 0])
-    return _Scores(shift, turn), _Scores(np.zeros_like(shift), _later(w[:, 2:] * J[:, 2]))
+    return _Scores(shift, turn + _later(w[:, 2:] * J[:, 2]))
 
 
 def _later(values: Array) -> Array:
@@ -143,13 +216,3 @@ def _outer(a: _Scores, b: _Scores, travel: Array) -> Array:
             np.einsum("kp,k,kq->pq", a.turn, travel, b.turn, optimize=True),
         ]
     )
-
-
-def _energy(part: RunPart) -> Array:
-    """(2, 2) expected weighted squares of place and heading before the fit, by unit shifts and by unit turns."""
-    way = np.cumsum(part.travel)
-    drift = np.cumsum(part.travel[:, None] * part.place, axis=0)
-    spread = np.cumsum(part.travel * (part.place**2).sum(1))
-    swing = (part.place**2).sum(1) * way - 2.0 * (part.place * drift).sum(1) + spread
-    w = part.weight
-    return np.array([[2.0 * np.sum(w[:, 0] * way), np.sum(w[:, 0] * swing)], [0.0, np.sum(w[:, 2] * way)]])

@@ -12,8 +12,10 @@ from holonom.devices import Accelerometer, CurrentShunt, DcMotor, Encoder, Frict
 from holonom.errors import ModelError
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.model.gravity import GRAVITY
+from holonom.numeric.contact_loads import pushing_loads
 
-__all__ = ["GRAVITY", "BaseDrive", "BaseSensors", "base_mass", "load_shares"]
+__all__ = ["GRAVITY", "BaseDrive", "BaseSensors", "base_mass", "load_shares", "rest_loads",
+           "roller_cosines", "supports"]  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,20 +84,50 @@ def base_mass(base: WheelBase) -> float:
     Raises
     ------
     ModelError
-        None is stated, or the centre of mass is not above the origin of base_link.
+        None is stated.
     """
     if base.mass is None:
         raise ModelError(f"base {base.name!r} has no mass, so it cannot be driven by forces; state mass= in kg")
-    if np.abs(base.com).max() > 1e-9:
-        raise ModelError(
-            f"base {base.name!r} has its centre of mass at {base.com.tolist()} m; controller and simulation need it "
-            "above the origin of base_link: describe the wheels from there"
-        )
     return base.mass
 
 
-def load_shares(base: WheelBase) -> Array:
-    """How weight and its two moments spread over the wheels (k, 3): the least-squares loads, driven wheels first."""
+def supports(base: WheelBase) -> Array:
+    """Where the wheels stand about the centre of mass, driven ones first (k, 2), m."""
     wheels = [*(w for w in base.wheels if w.driven), *(w for w in base.wheels if not w.driven)]
-    A = np.array([[1.0, w.x, w.y] for w in wheels]).T
+    return np.array([(w.x, w.y) for w in wheels]) - base.com
+
+
+def load_shares(base: WheelBase) -> Array:
+    """How weight and its moments about the centre of mass spread over the wheels (k, 3), driven ones first.
+
+    The loads of least square sum while all wheels stay down.
+    """
+    at = supports(base)
+    A = np.concatenate([np.ones((1, len(at))), at.T])
     return np.ascontiguousarray(np.linalg.pinv(A))
+
+
+def roller_cosines(base: WheelBase) -> Array:
+    """Cosines (m,) of the angles at which the driven wheels push: of the rollers of Swedish ones, else 1."""
+    return np.cos([w.roller_angle for w in base.wheels if w.driven])
+
+
+def rest_loads(base: WheelBase) -> Array:
+    """Loads (m,), N, of the driven wheels at rest: they only push; one that balances is held upright.
+
+    Raises
+    ------
+    ModelError
+        It states no mass, or tips at rest.
+    """
+    mass, at = base_mass(base), supports(base)
+    loads, stands = pushing_loads(at, np.zeros(2))
+    count = sum(w.driven for w in base.wheels)
+    if np.linalg.matrix_rank(at - at.mean(axis=0), tol=1e-9) < 2:
+        return np.asarray(mass * GRAVITY * load_shares(base)[:count, 0])
+    if not stands:
+        raise ModelError(
+            f"base {base.name!r} tips at rest: its centre of mass {base.com.tolist()} m lies outside its wheels; move "
+            "it between them"
+        )
+    return np.asarray(mass * GRAVITY * loads[:count])

@@ -1,21 +1,24 @@
 """Coupling between n driven wheels and the base: speeds by D, forces by C_alpha (specification 06.2; Rojas & Foerster).
 
-In equations a twist is v = (vx, vy, R w), an acceleration a = (ax, ay, R wd), m the rim speeds and f the forces of the
-wheels along the ground: `m = D v`, `a = C_alpha f / M`, `C_alpha = diag(1, 1, 1/alpha) D^T`, `I = alpha M R^2`. Verbs
-take and give (vx, vy, w) in m/s and rad/s.
+In equations a twist is v = (vx, vy, R w), an acceleration a = (ax, ay, R wd) of base_link, m the rim speeds and f the
+forces at the rims (torque over wheel radius): `m = D v`, `a = C_alpha f / M`, `I = alpha M R^2` about the centre of
+mass. With that at the origin and no sliding constraint `C_alpha = diag(1, 1, 1/alpha) D^T`, else `base.dynamics` says
+what.
+Verbs take and give (vx, vy, w) in m/s and rad/s.
 """
 
 from __future__ import annotations
 
 import operator
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from holonom.arrays import Array, finite, is_finite, shown
+from holonom.arrays import Array, finite, is_finite, shown, vectors
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
+from holonom.mobile.base.dynamics import drift, free_motions, inertia_over_mass, reaction
 from holonom.mobile.base.wheel_base import WheelBase
 
 __all__ = [
@@ -49,6 +52,10 @@ class Coupling:
         Mass distribution, `I = alpha M R^2`: 1/2 for a disc, 1 for a ring.
     names
         Of the n wheels; "wheel 1" and so on unless given.
+    com
+        Centre of mass (2,) in base_link, m.
+    sliding
+        C (k, 3): sideways speeds, m/s, per (vx, vy, R w), of wheels that must not slide.
 
     Raises
     ------
@@ -59,9 +66,17 @@ class Coupling:
     radius: float = 1.0
     alpha: float = 1.0
     names: tuple[str, ...] = ()
+    com: tuple[float, float] = (0.0, 0.0)
+    sliding: Array = field(default_factory=lambda: np.empty((0, 3)))
 
     def __post_init__(self) -> None:
-        D = np.array(finite("coupling D", self.velocity))
+        D, C = np.array(finite("coupling D", self.velocity)), np.array(finite("coupling C", self.sliding))
+        if C.ndim != 2 or C.shape[1] != 3:
+            raise ShapeError(f"coupling C has shape {C.shape}; it must be (k, 3): a row per wheel that must not slide")
+        x, y = vectors("coupling com", self.com, 2).tolist()
+        C.setflags(write=False)
+        object.__setattr__(self, "sliding", C)
+        object.__setattr__(self, "com", (x, y))
         if D.ndim != 2 or D.shape[1] != 3:
             raise ShapeError(
                 f"coupling D has shape {D.shape}; it must be (n, 3), finite: a row per wheel, (vx, vy, R w)"
@@ -79,10 +94,25 @@ class Coupling:
         object.__setattr__(self, "velocity", D)
 
     @property
+    def motions(self) -> Array:
+        """S (3, k): orthonormal motions (vx, vy, R w) that the sliding rows leave free."""
+        return free_motions(self.sliding)
+
+    @property
+    def reaction(self) -> Array:
+        """(3, 3): (ax, ay, R wd) times the mass, per force (Fx, Fy, torque / R) on base_link."""
+        return reaction(self.motions, inertia_over_mass(self.radius, self.alpha, np.array(self.com)))
+
+    @property
     def force(self) -> Array:
-        """C_alpha (3, n): (ax, ay, R wd) times the mass, per wheel force."""
-        C: Array = self.velocity.T / np.array([[1.0], [1.0], [self.alpha]])
+        """C_alpha (3, n): (ax, ay, R wd) times the mass, per wheel force, at rest."""
+        C: Array = self.reaction @ self.velocity.T
         return C
+
+    def drift(self, twist: ArrayLike) -> Array:
+        """Acceleration (..., 3) (ax, ay, R wd) that needs no force at a twist (vx, vy, w): see `base.dynamics`."""
+        inertia = inertia_over_mass(self.radius, self.alpha, np.array(self.com))
+        return drift(self.motions, inertia, np.array(self.com), _last("twist", twist, 3))
 
     @property
     def wheels(self) -> int:
@@ -123,8 +153,6 @@ def omni_coupling(
 def coupling_of(base: WheelBase | Coupling | ArrayLike) -> Coupling:
     """Coupling of the driven wheels of a base; an array is D (n, 3) of a base with R = 1 m and alpha = 1.
 
-    The centre of mass is taken to lie at the origin of base_link.
-
     Raises
     ------
     ShapeError, ModelError
@@ -134,7 +162,9 @@ def coupling_of(base: WheelBase | Coupling | ArrayLike) -> Coupling:
     if isinstance(base, Coupling):
         return base
     if isinstance(base, WheelBase):
-        return Coupling(base.velocity_coupling, base.radius, base.alpha, base.driven)
+        x, y = base.com.tolist()
+        sliding = base.sliding_matrix() * [1.0, 1.0, 1.0 / base.radius]
+        return Coupling(base.velocity_coupling, base.radius, base.alpha, base.driven, (x, y), sliding)
     return Coupling(finite("coupling D", base))
 
 
@@ -151,14 +181,17 @@ def rim_speeds(base: WheelBase | Coupling | ArrayLike, twist: ArrayLike) -> Arra
 
 
 def base_twist(base: WheelBase | Coupling | ArrayLike, rims: ArrayLike) -> Array:
-    """Twist (..., 3) (vx, vy, w) that explains rim speeds (..., n), m/s, best: `v = D^+ m`, least squares.
+    """Twist (..., 3) (vx, vy, w) that explains rim speeds (..., n), m/s, best: `v = S (D S)^+ m`.
+
+    Least squares among the motions S that drag no wheel; `D^+ m` where all do.
 
     Raises
     ------
     ShapeError
     """
     c = coupling_of(base)
-    v: Array = _last("rims", rims, c.wheels) @ np.linalg.pinv(c.velocity).T / [1.0, 1.0, c.radius]
+    inverse = c.motions @ np.linalg.pinv(c.velocity @ c.motions)
+    v: Array = _last("rims", rims, c.wheels) @ inverse.T / [1.0, 1.0, c.radius]
     return v
 
 
@@ -176,20 +209,29 @@ def base_force(base: WheelBase | Coupling | ArrayLike, forces: ArrayLike) -> Arr
     return F
 
 
-def base_acceleration(base: WheelBase | Coupling | ArrayLike, forces: ArrayLike, mass: float) -> Array:
+def base_acceleration(
+    base: WheelBase | Coupling | ArrayLike, forces: ArrayLike, mass: float, *, twist: ArrayLike = (0.0, 0.0, 0.0)
+) -> Array:
     """Acceleration (..., 3) (ax, ay in m/s2, wd in rad/s2) of wheel forces (..., n), N: `a = C_alpha f / M`.
+
+    That of base_link, along its axes; at a `twist` (..., 3) also what turning does (`Coupling.drift`).
 
     Raises
     ------
     ShapeError, OutOfLimits
     """
     c = coupling_of(base)
-    a: Array = _last("forces", forces, c.wheels) @ c.force.T / _mass(mass) / [1.0, 1.0, c.radius]
-    return a
+    a: Array = _last("forces", forces, c.wheels) @ c.force.T / _mass(mass) + c.drift(twist)
+    return a / [1.0, 1.0, c.radius]
 
 
-def wheel_forces(base: WheelBase | Coupling | ArrayLike, acceleration: ArrayLike, mass: float) -> Array:
+def wheel_forces(
+    base: WheelBase | Coupling | ArrayLike, acceleration: ArrayLike, mass: float, *,
+    twist: ArrayLike = (0.0, 0.0, 0.0),
+) -> Array:  # fmt: skip
     """Smallest wheel forces (..., n), N, for an acceleration (..., 3) (ax, ay, wd): `f = M C_alpha^+ a`.
+
+    That of base_link, along its axes, at a `twist` (..., 3).
 
     Fewer than three independent wheels come as near as they can; `failed_motor.redistribute` says what is missed.
 
@@ -199,7 +241,7 @@ def wheel_forces(base: WheelBase | Coupling | ArrayLike, acceleration: ArrayLike
     """
     c = coupling_of(base)
     a = _last("acceleration", acceleration, 3) * [1.0, 1.0, c.radius]
-    f: Array = _mass(mass) * a @ np.linalg.pinv(c.force).T
+    f: Array = _mass(mass) * (a - c.drift(twist)) @ np.linalg.pinv(c.force, rcond=1e-10).T
     return f
 
 

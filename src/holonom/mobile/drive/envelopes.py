@@ -1,8 +1,8 @@
 """How strong and how fast a drive is in each direction: effective motors, acceleration, speed (specification 06.2).
 
-Forces of n wheels within limits make a zonotope in (Fx, Fy, torque / R). How far a ray gets inside it is exact: the
-least of `(h(k) - k . p) / (k . d)` over its facets' normals k, the cross products of pairs of columns of D^T, with
-`h(k) = sum_i max(k . a_i f_i)`. No linear program is solved.
+Forces of n wheels within limits make a zonotope in M (ax, ay, R wd) = C_alpha f. How far a ray gets inside it is exact:
+the least of `(h(k) - k . p) / (k . d)` over its facets' normals k, the cross products of pairs of columns of C_alpha,
+with `h(k) = sum_i max(k . a_i f_i)`. No linear program is solved. A direction that drags a wheel sideways is none.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ __all__ = [
 
 Base = WheelBase | Coupling | ArrayLike
 _ZERO = 1e-10
+_ALONG = 1e-9  # sine of an angle below which two directions are one
 _HALVINGS = 48
 
 
@@ -99,7 +100,7 @@ def force_envelope(
     limits, lower
         Wheel force, N: at most `limits`, at least `lower` (`-limits` unless given); scalar, (n,) or (k, n).
     torque
-        N m demanded meanwhile.
+        N m about the centre of mass demanded meanwhile.
 
     Raises
     ------
@@ -113,12 +114,17 @@ def force_envelope(
         raise OutOfLimits("force limits: a lower limit is above the upper one; give lower <= limits for each wheel")
     live = live_wheels(coupling, out)
     low, high = np.where(live, low, 0.0), np.where(live, high, 0.0)
-    value, reachable, held = _reach(coupling.velocity.T, low, high, torque / coupling.radius, phi)
+    x, y = coupling.com
+    aside = torque / (coupling.alpha * coupling.radius**2)  # turning moves base_link beside the centre of mass
+    offset = np.array([aside * y, -aside * x, aside * coupling.radius])
+    value, reachable, held = _reach(coupling.force, low, high, offset, phi)
     return Envelope(phi, value, reachable, np.where(held, Limit.MOTOR, Limit.NONE).astype(np.int64))
 
 
 def critical_force(base: Base, directions: ArrayLike, drive: DriveLimits, *, out: Wheels = ()) -> Envelope:
-    """Force (N) in each direction at which the first wheels slip: friction `mu N_i` alone, motors as strong as need be.
+    """Force (N) in each direction at which the first wheels slip: friction alone, motors as strong as need be.
+
+    A wheel pushes with up to `mu N_i` along its rollers' axes, that is `mu N_i cos(gamma_i)` at its rim.
 
     Raises
     ------
@@ -133,7 +139,7 @@ def acceleration_envelope(
     base: Base, directions: ArrayLike, drive: DriveLimits, *, twist: ArrayLike = (0.0, 0.0, 0.0),
     angular_acceleration: float = 0.0, out: Wheels = (),
 ) -> Envelope:  # fmt: skip
-    """Largest acceleration (m/s2) in each direction under motor and friction limits, and what holds each wheel.
+    """Largest acceleration (m/s2) of base_link in each direction under motor and friction limits, and what holds it.
 
     Parameters
     ----------
@@ -152,26 +158,28 @@ def acceleration_envelope(
 
     Notes
     -----
-    With a centre of mass above ground, wheel loads move with the acceleration; the edge is found by bisection.
+    With a centre of mass above ground, wheel loads move with the acceleration; the edge is found by bisection. It is
+    where the base tips, if that comes first.
     """
     coupling = coupling_of(base)
-    phi, D, R = _directions(directions), coupling.velocity, coupling.radius
-    live = live_wheels(coupling, out)
-    rims = D @ (vectors("twist", twist, 3) * [1.0, 1.0, R])
-    motor_low, motor_high = drive.motor_limits(rims)
-    turn = coupling.alpha * drive.mass * R * angular_acceleration
+    phi, R, com = _directions(directions), coupling.radius, np.array(coupling.com)
+    live, now = live_wheels(coupling, out), vectors("twist", twist, 3)
+    motor_low, motor_high = drive.motor_limits(coupling.velocity @ (now * [1.0, 1.0, R]))
+    offset = drive.mass * (np.array([0.0, 0.0, R * angular_acceleration]) - coupling.drift(now))
+    beside = angular_acceleration * np.array([-com[1], com[0]]) - now[2] ** 2 * com
+    C = coupling.force
 
     def edge(acceleration: Array) -> tuple[Array, NDArray[np.bool_], NDArray[np.int64]]:
         along = acceleration[:, None] * np.column_stack([np.cos(phi), np.sin(phi)])
-        grip = drive.grip(along)
+        grip = drive.grip(along + beside)
         low = np.where(live, np.maximum(motor_low, -grip), 0.0)
         high = np.where(live, np.minimum(motor_high, grip), 0.0)
-        value, reachable, held = _reach(D.T, np.minimum(low, high), high, turn, phi)
+        value, reachable, held = _reach(C, np.minimum(low, high), high, offset, phi)
         which = np.where(grip < np.minimum(motor_high, -motor_low), Limit.FRICTION, Limit.MOTOR)
         return value / drive.mass, reachable, np.where(held, which, Limit.NONE).astype(np.int64)
 
     value, reachable, held = edge(np.zeros(len(phi)))
-    if drive.transfer is not None:
+    if drive.stance is not None and drive.stance.height > 0.0:
         value = _crossing(lambda a: edge(a)[0], value)
         _, reachable, held = edge(value)
     return Envelope(phi, value, reachable, held)
@@ -182,7 +190,8 @@ def speed_envelope(
 ) -> Envelope:
     """Largest speed (m/s) in each direction while the base turns at `turning` (rad/s): no wheel beyond its free speed.
 
-    Dead wheels roll freely and bound nothing.
+    Dead wheels roll freely and bound nothing; where the others cannot push the base without turning it, and where a
+    wheel would be dragged sideways, no speed is reachable.
 
     Raises
     ------
@@ -196,22 +205,35 @@ def speed_envelope(
     offset = coupling.velocity[live, 2] * coupling.radius * turning
     with np.errstate(divide="ignore"):
         room = np.where(np.abs(along) > _ZERO, (top - np.sign(along) * offset) / np.abs(along), np.inf)
-    reachable = np.full(len(phi), bool((np.abs(offset) <= top).all()))
+    ahead = np.column_stack([np.cos(phi), np.sin(phi), np.zeros(len(phi))])
+    still = np.abs(coupling.sliding[:, 2] * coupling.radius * turning).max(initial=0.0) <= _ALONG
+    pushed = _within(coupling.force[:, live], ahead) & still
+    reachable = pushed & bool((np.abs(offset) <= top).all())
     value = np.where(reachable, room.min(axis=1, initial=np.inf), 0.0)
     limits = np.zeros((len(phi), coupling.wheels), np.int64)
     limits[:, live] = np.where((room <= value[:, None] * (1.0 + 1e-9)) & reachable[:, None], Limit.MOTOR, Limit.NONE)
     return Envelope(phi, value, reachable, limits)
 
 
+def _within(A: Array, vectors_: Array) -> NDArray[np.bool_]:
+    """Whether vectors (k, 3) lie in the span of A's columns (3, n)."""
+    across = scipy.linalg.null_space(A.T, rcond=_ALONG) if A.shape[1] else np.eye(3)
+    inside: NDArray[np.bool_] = np.abs(vectors_ @ across).max(axis=1, initial=0.0) <= _ALONG
+    return inside
+
+
 def _reach(
-    A: Array, low: Array, high: Array, turn: float, phi: Array
+    A: Array, low: Array, high: Array, offset: Array, phi: Array
 ) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Length of each ray inside the zonotope of A's columns, whether it meets it, and which columns are at an end."""
+    """Length of each ray from an offset (3,) inside the zonotope of A's columns, whether it meets it, columns at ends.
+
+    Rays start anywhere on the line through the offset: it need not lie inside.
+    """
     K = _normals(A)
     heights = K @ A
-    support = high @ np.maximum(heights, 0.0).T + low @ np.minimum(heights, 0.0).T - K[:, 2] * turn
+    support = high @ np.maximum(heights, 0.0).T + low @ np.minimum(heights, 0.0).T - K @ offset
     slope = np.column_stack([np.cos(phi), np.sin(phi)]) @ K[:, :2].T
-    scale = np.abs(heights).max() * np.abs(high - low).max() + abs(turn)
+    scale = np.abs(heights).max() * np.abs(high - low).max() + np.abs(offset).max()
     ahead = slope > _ZERO
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = support / slope

@@ -24,6 +24,7 @@ __all__ = [
     "actuation",
     "allocation",
     "feasible_twist",
+    "motors_hold_all",
     "possible_twists",
     "redistribute",
 ]
@@ -138,6 +139,7 @@ def allocation(base: Base, *, out: Wheels = ()) -> Array:
     """Matrix (n, 3) from (Fx, Fy, torque / R), N, to the least wheel forces without dead motors: their row is 0.
 
     For control loops; `D^T` times it is 1 while the base is fully actuated, else the projection on what is reachable.
+    Force that wheels take up which must not slide sideways is asked of no motor.
 
     Raises
     ------
@@ -146,7 +148,8 @@ def allocation(base: Base, *, out: Wheels = ()) -> Array:
     coupling = coupling_of(base)
     live = live_wheels(coupling, out)
     A = np.zeros((coupling.wheels, 3))
-    A[live] = np.linalg.pinv(coupling.velocity[live].T, rcond=_RANK)
+    S = coupling.motions
+    A[live] = np.linalg.pinv((coupling.velocity[live] @ S).T, rcond=_RANK) @ S.T
     return A
 
 
@@ -168,18 +171,31 @@ def actuation(base: Base, *, out: Wheels = ()) -> Actuation:
     return Actuation(reachable.shape[1], reachable, scipy.linalg.null_space(C.T, rcond=_RANK))
 
 
+def motors_hold_all(base: Base, dead: int) -> bool:
+    """Whether a base without some motors can still accelerate every way that its wheels let it move.
+
+    Parameters
+    ----------
+    dead
+        Set of driven wheels, bit i for wheel i.
+    """
+    coupling = coupling_of(base)
+    out = [k for k in range(coupling.wheels) if (dead >> k) & 1]
+    return actuation(coupling, out=out).rank == coupling.motions.shape[1]
+
+
 def possible_twists(base: Base, *, blocked: Wheels = ()) -> Array:
     """Twists (3, k) (vx, vy in m/s, w in rad/s) that blocked wheels allow, orthonormal in (vx, vy, R w), by column.
 
     A blocked wheel's rim stands still while its rollers roll: `D_i v = 0`, one direction less for each independent
-    one. A motor that is dead while its wheel rolls takes no direction away.
+    one, and so does each that must not slide: `C v = 0`. A motor that is dead while its wheel rolls takes none away.
 
     Raises
     ------
     OutOfLimits, UnknownName
     """
     coupling = coupling_of(base)
-    held = coupling.velocity[~live_wheels(coupling, blocked)]
+    held = np.vstack([coupling.velocity[~live_wheels(coupling, blocked)], coupling.sliding])
     free = scipy.linalg.null_space(held, rcond=_RANK) if len(held) else np.eye(3)
     twists: Array = free / _scale(coupling)[:, None]
     return twists

@@ -12,7 +12,8 @@ from holonom.arrays import Array, finite, is_number, real_array, shown
 from holonom.devices import DcMotor, Gear
 from holonom.errors import InputError, OutOfLimits, ShapeError
 from holonom.mobile.base.wheel_base import WheelBase
-from holonom.mobile.stability import wheel_loads
+from holonom.mobile.stability import Stance, contact_points, wheel_loads
+from holonom.model.gravity import GRAVITY
 
 __all__ = ["DriveLimits", "drive_limits"]
 
@@ -33,8 +34,10 @@ class DriveLimits:
         mu between wheel and floor; infinite: it never slips.
     loads
         (n,) N_i in N of the driven wheels at rest.
-    transfer
-        (n, 2) N per m/s2: how the loads move with the acceleration (ax, ay); None where the centre of mass lies low.
+    stance
+        How the base stands on all its wheels, which says how loads move with the acceleration; None: they do not.
+    roller_angles
+        (n,) gamma_i of Swedish wheels, rad: they push along their rollers' axes only; 0 for all unless given.
 
     Raises
     ------
@@ -47,7 +50,8 @@ class DriveLimits:
     mass: float
     friction: float
     loads: Array
-    transfer: Array | None = None
+    stance: Stance | None = None
+    roller_angles: Array | None = None
 
     def __post_init__(self) -> None:
         for name in ("wheel_radius", "mass", "friction"):
@@ -57,10 +61,18 @@ class DriveLimits:
         loads = real_array("drive limits: loads", self.loads)
         if loads.ndim != 1 or not (loads >= 0.0).all():
             raise ShapeError(f"drive limits: loads are {loads}; they must be (n,) forces in N, none below 0")
-        if self.transfer is not None and np.shape(self.transfer) != (len(loads), 2):
+        angles = finite("drive limits: roller_angles", self.angles)
+        if angles.shape != loads.shape:
+            raise ShapeError(f"drive limits: roller_angles have shape {angles.shape}; it must be {loads.shape}")
+        if self.stance is not None and len(self.stance.driven) != len(loads):
             raise ShapeError(
-                f"drive limits: transfer has shape {np.shape(self.transfer)}; it must be ({len(loads)}, 2)"
+                f"drive limits: the stance has {len(self.stance.driven)} driven wheels; loads are {loads.shape}"
             )
+
+    @property
+    def angles(self) -> ArrayLike:
+        """Roller angles of the driven wheels, rad."""
+        return np.zeros(np.shape(self.loads)) if self.roller_angles is None else self.roller_angles
 
     @property
     def rim_speed(self) -> float:
@@ -88,16 +100,17 @@ class DriveLimits:
         return force
 
     def grip(self, acceleration: ArrayLike | None = None) -> Array:
-        """Greatest force (..., n), N, that the floor takes from each wheel: `mu N_i`; 0 from one that lifts.
+        """Greatest force (..., n), N, at the rims that the floor takes: `mu N_i cos(gamma_i)`; 0 from one that lifts.
 
-        `acceleration` (..., 2): ax, ay in m/s2, which moves load backwards; none unless given.
+        `acceleration` (..., 2): of the centre of mass, m/s2, which moves load backwards; none unless given. None grips
+        where the base tips.
         """
         N = np.asarray(self.loads, float)
-        if acceleration is not None and self.transfer is not None:
-            N = N + np.asarray(acceleration, float) @ np.asarray(self.transfer, float).T
+        if acceleration is not None and self.stance is not None:
+            N = self.stance.loads(finite("acceleration", acceleration))[0]
         if math.isinf(self.friction):
-            return np.full(N.shape, np.inf)
-        grip: Array = self.friction * np.maximum(N, 0.0)
+            return np.where(N > 0.0, np.inf, 0.0) if self.stance is not None else np.full(N.shape, np.inf)
+        grip: Array = self.friction * np.cos(self.angles) * N
         return grip
 
 
@@ -107,7 +120,7 @@ def drive_limits(base: WheelBase, motor: DcMotor, gear: Gear, friction: float) -
     Raises
     ------
     InputError
-        A base without a mass, or with driven wheels of several radii.
+        A base without a mass, with driven wheels of several radii, or with a driven ball, whose drives share its grip.
     OutOfLimits
         A centre of mass outside the wheels.
     """
@@ -116,15 +129,14 @@ def drive_limits(base: WheelBase, motor: DcMotor, gear: Gear, friction: float) -
     radii = np.unique(base.wheel_radii)
     if len(radii) > 1:
         raise InputError(f"base {base.name!r} drives wheels of radii {radii} m; make DriveLimits for equal wheels")
-    loads = wheel_loads(base)
-    transfer = (wheel_loads(base, np.eye(2)) - loads).T
-    if (loads < -1e-9 * loads.sum()).any():
-        name = base.wheels[int(loads.argmin())].name
-        raise OutOfLimits(f"base {base.name!r} tips over: wheel {name!r} carries no load; move com between the wheels")
-    loads = np.maximum(
-        loads, 0.0
-    )  # a wheel just off the line of the centre of mass carries nothing, give or take an ulp
-    driven = [i for i, w in enumerate(base.wheels) if w.driven]
-    return DriveLimits(
-        motor, gear, float(radii[0]), base.mass, friction, loads[driven], transfer[driven] if base.com_height else None
-    )
+    wheels = [w for w in base.wheels if w.driven]
+    ball = next((w.name for w in wheels if w.kind == "spherical"), None)
+    if ball is not None:
+        raise InputError(
+            f"base {base.name!r} drives the ball {ball!r} three ways at one contact; only wheels have limits"
+        )
+    driven = tuple(i for i, w in enumerate(base.wheels) if w.driven)
+    loads = wheel_loads(base)[list(driven)]
+    stance = Stance(contact_points(base) - base.com, base.mass * GRAVITY, base.com_height, driven)
+    angles = np.array([w.roller_angle for w in wheels])
+    return DriveLimits(motor, gear, float(radii[0]), base.mass, friction, loads, stance, angles)

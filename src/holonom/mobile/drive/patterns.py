@@ -1,6 +1,6 @@
 """Motor patterns that do nothing: wheels that fight each other (null space of C_alpha; specification 06.2).
 
-`C_alpha` and `D^T` differ by a diagonal matrix only, so the patterns are the same for every mass distribution.
+They make no force along any motion that the sliding rows leave free, whatever the mass distribution: `(D S)^T f = 0`.
 """
 
 from __future__ import annotations
@@ -40,7 +40,8 @@ def idle_patterns(base: WheelBase | Coupling | ArrayLike) -> Array:
 
     The largest entry of each is positive. For four symmetric wheels it is (1, -1, 1, -1) / 2.
     """
-    N: Array = scipy.linalg.null_space(coupling_of(base).velocity.T, rcond=_ZERO)
+    coupling = coupling_of(base)
+    N: Array = scipy.linalg.null_space((coupling.velocity @ coupling.motions).T, rcond=_ZERO)
     return N * np.sign(np.take_along_axis(N, np.abs(N).argmax(axis=0, keepdims=True), axis=0))
 
 
@@ -50,7 +51,8 @@ def readable_patterns(base: WheelBase | Coupling | ArrayLike) -> Array:
     Each column holds rank + 1 wheels at most: those that carry the motion and one that fights them. For four symmetric
     wheels it is (1, -1, 1, -1).
     """
-    D = coupling_of(base).velocity
+    coupling = coupling_of(base)
+    D = coupling.velocity @ coupling.motions
     n = len(D)
     _, R, order = scipy.linalg.qr(D.T, pivoting=True)
     rank = int((np.abs(np.diag(R)) > _ZERO * np.abs(R).max()).sum()) if R.any() else 0

@@ -29,7 +29,7 @@ from holonom.mobile.drive.slip_kernels import (
 )
 from holonom.registry import check_fields, parameter
 
-__all__ = ["SlipReport", "SlipSettings", "SlipStatus", "detect_slip", "separable_wheels", "slip_params"]
+__all__ = ["SlipReport", "SlipSettings", "SlipStatus", "detect_slip", "detectable", "separable_wheels", "slip_params"]
 
 _MARGIN = 1.25  # of what noise and limits allow: a wheel is named once every other is out by more
 _RANK = 1e-9  # of a singular value beside the largest: below it the wheels do not determine the twist
@@ -253,6 +253,15 @@ def separable_wheels(base: WheelBase | Coupling | ArrayLike) -> NDArray[np.bool_
     apart: NDArray[np.bool_] = (cosine < 1.0 - _RANK) & seen & seen[:, None]
     np.fill_diagonal(apart, seen)
     return apart
+
+
+def detectable(base: WheelBase | Coupling | ArrayLike) -> bool:
+    """Whether wheel speeds alone can show that a wheel slips: more wheels than the twist needs, and it is determined.
+
+    Three omni wheels, or the two of a differential drive, never contradict each other.
+    """
+    D = coupling_of(base).velocity
+    return len(D) > 3 and _determined(D, np.ones(len(D)), ())
 
 
 def _pivot(D: Array) -> int:

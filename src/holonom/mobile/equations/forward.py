@@ -1,35 +1,59 @@
-"""Forward model of a whole base: the twist that fits its rolling and sliding rows best; traced, or on floats.
+"""Forward model of a whole base: it keeps the sliding rows and fits the rolling rows best; traced, or on floats.
 
-A wheel that rolls driven and must not slide fixes both components of its contact's velocity, whatever its heading:
-its share u u^T + n n^T of the normal matrix is constant. Only wheels that steer and are not driven make it vary.
+A constraint is no measurement: wheels that must not slide say in which directions the base may move, motors how fast.
+Fixed wheels first: the twists that drag none of them are a subspace, P its projector. In it the rows of the wheels
+that steer and drive are fitted by least squares: such a module measures the whole velocity of its contact, so its share
+u u^T + n n^T of the normal matrix is constant whatever its heading. Wheels that steer and are not driven only lead. So
+few that some motion is left at any angles narrow the subspace, by Gram and Schmidt. More of them, such as the front
+wheels of a car, leave one only where their axles meet: the fitted twist v is turned to where they lead, by one step of
+inverse iteration with A = sum of their sliding rows squared, `d ~ (A + e 1)^-1 v` (Golub & Van Loan, Matrix
+Computations, 7.6.1), which drags none of them if they do meet, and as little as can be where not. Then d is made as
+long as the rolling rows have it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+import numpy as np
+
 from holonom.mobile.base.wheel import KINDS, Wheel
-from holonom.mobile.equations.base_models import Axle, Layout
+from holonom.mobile.equations.base_models import Axle, Layout, rolling_rows, speed_along
 from holonom.mobile.equations.wheels import ROUNDING, Row, summed, unit
 from holonom.numeric.small import solve_symmetric3
-from holonom.trace import Number, absolute, less, select
+from holonom.trace import Number, absolute, less, maximum, select
 
 __all__ = ["DETERMINED", "always_determined", "twist_of_speeds"]
 
+SOFT = 1e-11
+"""Added to the sum of squared sliding rows, over its usual size: axles that all coincide leave two directions open."""
+RANK = 1e-7
+"""Singular value of the fixed wheels' sliding rows below which they leave a motion free."""
 DETERMINED = 1e-9
 """Determinant of the normal matrix, over about the largest that it could have, below which no twist is determined."""
 
 
 def twist_of_speeds(layout: Layout, speeds: Row, axles: Sequence[Axle]) -> tuple[Row, Number]:
-    """Forward model: the twist that fits rolling and sliding rows best (least squares in m/s, w scaled by the radius).
+    """Forward model: the twist that keeps all sliding rows and fits the rolling rows best (w scaled by the radius).
 
     Also how well it is determined: determinant of the normal matrix over the cube of a third of its usual trace.
     """
+    P, right = _projector(layout), _right(layout, speeds, axles)
     normal, varying = _constant_share(layout), _varying(layout)
+    if varying and len(varying) < round(sum(float(P[k][k]) for k in range(3))):
+        Q = _narrowed(P, [row for i in varying for row in _sliding(layout, layout.wheels[i], axles[i])])
+        v, determinant = solve_symmetric3(_between(layout, Q, normal), _times(Q, right))
+        return [v[0], v[1], v[2] / layout.radius], determinant * _usual_trace(layout) ** -3
     for i in varying:
-        normal = _with(normal, _sliding(layout, layout.wheels[i], axles[i]))
-    solution, determinant = solve_symmetric3(normal, _right(layout, speeds, axles))
-    return [solution[0], solution[1], solution[2] / layout.radius], determinant * _usual_trace(layout) ** -3
+        normal = _with(normal, _projected(P, _sliding(layout, layout.wheels[i], axles[i])))
+    v, determinant = solve_symmetric3(normal, _times(P, right))
+    if varying:
+        A: list[Row] = _outside(layout, P)
+        for i in varying:
+            A = _with(A, _projected(P, _sliding(layout, layout.wheels[i], axles[i])))
+        d = _times(P, _turned(A, v, SOFT * _usual_trace(layout)))
+        v = _lengthened(layout, d, right, axles)
+    return [v[0], v[1], v[2] / layout.radius], determinant * _usual_trace(layout) ** -3
 
 
 def always_determined(layout: Layout) -> bool:
@@ -55,16 +79,86 @@ def _right(layout: Layout, speeds: Row, axles: Sequence[Axle]) -> Row:
 
 
 def _constant_share(layout: Layout) -> list[Row]:
-    """Normal matrix of all rows but those of `_varying`; entries that are 0 but for rounding are 0."""
-    normal: list[Row] = [[0.0, 0.0, 0.0] for _ in range(3)]
-    varying = _varying(layout)
+    """Normal matrix of all rows but those of `_varying`, in the subspace of the fixed wheels and 1 outside of it.
+
+    Entries that are 0 but for rounding are 0.
+    """
+    P, varying = _projector(layout), _varying(layout)
+    normal: list[Row] = _outside(layout, P)
     for i, wheel in enumerate(layout.wheels):
         if i not in varying:
             s, c = unit(wheel.axle)
             rolling = KINDS[wheel.kind].rolling(wheel, s, c) if wheel.driven else []
-            normal = _with(normal, [*_scaled(layout, rolling), *_sliding(layout, wheel, (s, c))])
+            sliding = _sliding(layout, wheel, (s, c)) if wheel.kind == "steered" else []
+            normal = _with(normal, _projected(P, [*_scaled(layout, rolling), *sliding]))
     least = ROUNDING * _usual_trace(layout)
     return [[select(less(absolute(n), least), 0.0, n) for n in line] for line in normal]
+
+
+def _projector(layout: Layout) -> list[Row]:
+    """P (3, 3): twists, w scaled, to the nearest that drag no fixed wheel. Constant."""
+    rows = [row for w in layout.wheels if w.kind == "fixed" for row in _sliding(layout, w, unit(w.axle))]
+    P = np.eye(3)
+    if rows:
+        _, s, Vt = np.linalg.svd(np.array(rows, dtype=float))
+        seen = Vt[: int(np.count_nonzero(s > RANK))]
+        P = P - seen.T @ seen
+    P[np.abs(P) < ROUNDING] = 0.0
+    return [[float(p) for p in line] for line in P]
+
+
+def _outside(layout: Layout, P: Sequence[Row]) -> list[Row]:
+    """Usual size times what P leaves out: it keeps a matrix regular that has nothing there."""
+    usual = _usual_trace(layout)
+    return [[usual * ((1.0 if i == j else 0.0) - P[i][j]) for j in range(3)] for i in range(3)]
+
+
+def _narrowed(P: Sequence[Row], rows: Iterable[Row]) -> list[Row]:
+    """The projector on twists that those rows do not see either; rows without anything new count for nothing."""
+    Q = [list(line) for line in P]
+    for row in rows:
+        seen = _times(Q, row)
+        square = _sum_of(seen, seen)
+        part = select(less(square, RANK * RANK), 0.0, 1.0) / maximum(square, RANK * RANK)
+        Q = [[q - part * seen[i] * seen[j] for j, q in enumerate(line)] for i, line in enumerate(Q)]
+    return Q
+
+
+def _between(layout: Layout, Q: Sequence[Row], normal: Sequence[Row]) -> list[Row]:
+    """Normal matrix within a projector, and 1 outside of it."""
+    half = [[_sum_of(line, [n[j] for n in normal]) for j in range(3)] for line in Q]
+    outside = _outside(layout, Q)
+    return [[_sum_of(half[i], Q[j]) + outside[i][j] for j in range(3)] for i in range(3)]
+
+
+def _times(P: Sequence[Row], x: Row) -> Row:
+    return [_sum_of(line, x) for line in P]
+
+
+def _sum_of(line: Row, x: Row) -> Number:
+    """Sum of products, without those that are 0 in a constant line."""
+    terms = [a * b for a, b in zip(line, x, strict=True) if not (isinstance(a, float) and a == 0.0)]
+    return summed(terms) if terms else 0.0
+
+
+def _projected(P: Sequence[Row], rows: Iterable[Row]) -> list[Row]:
+    return [_times(P, row) for row in rows]
+
+
+def _turned(A: Sequence[Row], v: Row, soft: float) -> Row:
+    """The direction (A + soft)^-1 v: a twist of any length that A sees as little as can be."""
+    softened = [[a + soft if i == j else a for j, a in enumerate(line)] for i, line in enumerate(A)]
+    d, _ = solve_symmetric3(softened, v)
+    return [x * soft for x in d]
+
+
+def _lengthened(layout: Layout, d: Row, right: Row, axles: Sequence[Axle]) -> Row:
+    """The twist along d (w scaled) that fits the rolling rows best: `d (D d . m) / |D d|^2`."""
+    twist: Row = [d[0], d[1], d[2] * (1.0 / layout.radius)]
+    along = [speed_along(w, row, twist) for w, row in rolling_rows(layout, axles)]
+    square = summed([a * a for a in along])
+    part = _sum_of(d, right) / maximum(square, 1e-300)
+    return [part * x for x in d]
 
 
 def _varying(layout: Layout) -> list[int]:

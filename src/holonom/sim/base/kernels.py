@@ -10,7 +10,7 @@ the forces, so that mechanical energy balances to rounding.
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,16 +18,18 @@ from numpy.typing import NDArray
 from holonom.arrays import Array
 from holonom.devices.kernels import armature_step
 from holonom.model.gravity import GRAVITY
+from holonom.numeric.contact_loads import pushing_loads_at
 from holonom.numeric.small_kernels import solve_positive3
 from holonom.trace.code.compiled import arctan, select, sincos_half_turn
 from holonom.trace.code.loops import loop
-from holonom.trace.code.simd import any_of, packed, total
+from holonom.trace.code.simd import WIDTH, any_of, largest, packed, total
 
 __all__ = [
     "BLOCKED",
     "DEAD",
     "GRAVITY",
     "RUNS",
+    "Supports",
     "break_motor",
     "plant_steps",
     "slip_friction",
@@ -39,10 +41,21 @@ RUNS, DEAD, BLOCKED = 0, 1, 2
 FLAGS = {"contract"}
 ROLLER_SMOOTHING = 0.01  # m/s, below which roller drag goes over into its opposite
 LEAST_SLIP = 1e-9  # m/s, keeps the direction of slip defined
+FOOT = 1e-3  # m, half the length of a contact
 JAMMED = 1e12  # kg m2
+ROUNDING = 1e-12  # part of the weight: a wheel that carries nothing, give or take an ulp, has not lifted off
 
 Integers = NDArray[np.int64]
 Records = NDArray[np.void]
+
+
+class Supports(NamedTuple):
+    """How weight spreads over the wheels of a body: driven ones first, then castors and spheres."""
+
+    passive: Array  # (k, 3) shares of weight and its moments, of the supports beside the driven wheels
+    contacts: Array  # (m + k, 2) about the centre of mass, m
+    loads: Array  # (m + k,) scratch, N
+    middle: Array  # (2,) of the contacts, m
 
 
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
@@ -66,28 +79,26 @@ def break_motor(states: Any, lane: int, kind: int) -> None:
 
 
 @loop(error_model="numpy", fastmath=FLAGS)
-def plant_steps(body: Any, state: Any, wheels: Records, states: Records, passive: Array) -> None:
+def plant_steps(body: Any, state: Any, wheels: Records, states: Records, supports: Supports) -> None:
     """Advance body and wheels by `body.substeps` steps of `body.dt`, in place.
 
-    Four wheels are a record of `packed` numbers. `passive` (k, 3) spreads the weight and its moments over the supports
-    beside the driven wheels.
+    Four wheels are a record of `packed` numbers.
     """
     for _ in range(body.substeps):
-        _step(body, state, wheels, states, passive)
+        _step(body, state, wheels, states, supports)
 
 
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
-def _step(body: Any, state: Any, wheels: Records, states: Records, passive: Array) -> None:
+def _step(body: Any, state: Any, wheels: Records, states: Records, supports: Supports) -> None:
     """Forces from the slip at the end of the step, to first order; wheels are eliminated, the body's 3 x 3 is left."""
     h = body.dt
-    part = _weigh(body, state, wheels, states, passive)
+    _weigh(body, state, wheels, states, supports)
     xx = yy = body.mass
     ww = body.inertia
     xy = xw = yw = 0.0
     bx = by = bw = 0.0
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])
-        own.load *= part
         torque, damping = _motor(wheel, own, h)
         along, across, kl, kx = _slip(wheel, own, state)
         lx, ly, lw = wheel.along_x, wheel.along_y, wheel.along_arm
@@ -115,20 +126,47 @@ def _step(body: Any, state: Any, wheels: Records, states: Records, passive: Arra
 
 
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
-def _weigh(body: Any, state: Any, wheels: Records, states: Records, passive: Array) -> float:
-    """Loads (N) from weight and the moments `-M a h` of acceleration; what they must be scaled by to carry the weight.
+def _weigh(body: Any, state: Any, wheels: Records, states: Records, supports: Supports) -> None:
+    """Loads (N) from weight and the moments `-M a h` of acceleration; no wheel can pull on the floor.
 
-    No wheel can pull on the floor.
+    Where none carry both, the body tips: then those that would pull carry nothing.
     """
     weight, lever = body.mass * GRAVITY, -body.mass * body.height
-    tip_x, tip_y, carried = lever * state.ax, lever * state.ay, 0.0
+    tip_x, tip_y, least, passive = lever * state.ax, lever * state.ay, 0.0, supports.passive
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])
-        own.load = max(wheel.share * weight + wheel.share_x * tip_x + wheel.share_y * tip_y, 0.0)
-        carried += total(own.load)
+        own.load = wheel.share * weight + wheel.share_x * tip_x + wheel.share_y * tip_y
+        least = min(least, -largest(-own.load))
     for i in range(len(passive)):
-        carried += max(passive[i, 0] * weight + passive[i, 1] * tip_x + passive[i, 2] * tip_y, 0.0)
-    return weight / carried
+        least = min(least, passive[i, 0] * weight + passive[i, 1] * tip_x + passive[i, 2] * tip_y)
+    state.light = 0
+    if least < -ROUNDING * weight:
+        _lift(weight, tip_x, tip_y, state, wheels, states, supports)
+
+
+@loop(error_model="numpy", fastmath=FLAGS)
+def _lift(
+    weight: float, tip_x: float, tip_y: float, state: Any, wheels: Records, states: Records, supports: Supports
+) -> None:
+    """Loads where some wheel has lifted off, or all that is left where the body tips."""
+    contacts, loads = supports.contacts, supports.loads
+    stands = pushing_loads_at(contacts, weight, tip_x, tip_y, loads)
+    if not stands:  # the force may pass through the far end of a tyre's contact
+        x, y = supports.middle[0] - tip_x / weight, supports.middle[1] - tip_y / weight
+        inwards = weight * FOOT / math.sqrt(x * x + y * y)
+        stands = pushing_loads_at(contacts, weight, tip_x + inwards * x, tip_y + inwards * y, loads)
+    if stands:
+        for i in range(len(contacts) - len(supports.passive)):
+            states[i // WIDTH].load[i % WIDTH] = loads[i]
+        return
+    state.light, carried = 1, 0.0
+    for i in range(len(states)):
+        own = packed(states[i])
+        own.load = max(own.load, 0.0)
+        carried += total(own.load)
+    for i in range(len(states)):
+        own = packed(states[i])
+        own.load *= weight / max(carried, weight)
 
 
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
@@ -206,9 +244,8 @@ def _advance(body: Any, state: Any, wheels: Records, states: Records, dx: float,
         fx += total(wheel.along_x * along + wheel.across_x * across)
         fy += total(wheel.along_y * along + wheel.across_y * across)
         fw += total(wheel.along_arm * along + wheel.across_arm * across)
-    per_mass, per_inertia = 1.0 / body.mass, h / body.inertia
-    state.ax, state.ay = per_mass * fx, per_mass * fy
-    dx, dy, dw = h * state.ax, h * state.ay, per_inertia * fw
+    state.ax, state.ay, state.aw = fx / body.mass, fy / body.mass, fw / body.inertia
+    dx, dy, dw = h * state.ax, h * state.ay, h * state.aw
     vx, vy, w = state.vx + 0.5 * dx, state.vy + 0.5 * dy, state.w + 0.5 * dw
     _book(state, wheels, states, h, vx, vy, w)
     _move(state, h, vx + 0.5 * dx, vy + 0.5 * dy, w + 0.5 * dw)

@@ -23,7 +23,7 @@ class BaseTruth:
     pose, twist
         (N, 3).
     acceleration
-        (N, 2) of the centre, in base_link, m/s^2.
+        (N, 2) of the centre of mass, along the axes of base_link, m/s^2.
     wheel_angles, wheel_speeds
         (N, m) rad, rad/s.
     currents, voltages

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from holonom.arrays import Array
 from holonom.devices.drive_signals import WheelSignals
 from holonom.sim.base.step_kernels import BasePlantParams, advance
+from holonom.trace.code.compiled import sincos
 from holonom.trace.code.loops import loop
 from holonom.trace.code.simd import WIDTH, packed
 
@@ -19,10 +20,12 @@ Records = NDArray[np.void]
 
 
 @loop(error_model="numpy", forceinline=True)
-def log_body(body: Any, row: Any) -> None:
-    """Log the true state of the body and the energies."""
-    row.x, row.y, row.theta = body.x, body.y, body.theta
-    row.vx, row.vy, row.w = body.vx, body.vy, body.w
+def log_body(known: Any, body: Any, row: Any) -> None:
+    """Log the true state of base_link, which the body `known` carries beside its centre of mass, and the energies."""
+    x, y = known.com_x, known.com_y
+    s, c = sincos(body.theta)
+    row.x, row.y, row.theta = body.x - c * x + s * y, body.y - s * x - c * y, body.theta
+    row.vx, row.vy, row.w = body.vx + body.w * y, body.vy - body.w * x, body.w
     row.ax, row.ay = body.ax, body.ay
     row.supplied, row.heat, row.airgap = body.supplied, body.heat, body.airgap
     row.drag, row.ground = body.drag, body.ground
@@ -52,7 +55,7 @@ def drive_open(
 ) -> None:
     """Drive the motors with voltages (N, m), one row each millisecond, without any controller."""
     for k in range(len(voltages)):
-        log_body(state[0], body_log[k])
+        log_body(params.body[0], state[0], body_log[k])
         for i in range(voltages.shape[1]):
             signals.voltages[i] = voltages[k, i]
             states[i // WIDTH].voltage[i % WIDTH] = voltages[k, i]

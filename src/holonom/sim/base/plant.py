@@ -14,13 +14,14 @@ from holonom.devices.drive_signals import WheelSignals
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile.base.wheel import Wheel
 from holonom.mobile.base.wheel_base import WheelBase
-from holonom.mobile.drive.base_drive import BaseDrive, BaseSensors, base_mass, load_shares
+from holonom.mobile.drive.base_drive import BaseDrive, BaseSensors, base_mass, load_shares, supports
+from holonom.mobile.drive.coupling import base_twist
 from holonom.sim.base.floor import Floor, floor_table
-from holonom.sim.base.kernels import BLOCKED, DEAD
+from holonom.sim.base.kernels import BLOCKED, DEAD, Supports
 from holonom.sim.base.log import BaseTruth, truth_of
 from holonom.sim.base.log_kernels import drive_open
 from holonom.sim.base.records import BODY, BODY_SAMPLE, BODY_STATE, WHEEL, WHEEL_SAMPLE, WHEEL_STATE
-from holonom.sim.base.step_kernels import BasePlantParams, SensorParams, sense
+from holonom.sim.base.step_kernels import BasePlantParams, SensorParams, base_acceleration, sense
 from holonom.trace.call.records import aligned_records, side_by_side
 from holonom.trace.code.simd import WIDTH
 
@@ -57,8 +58,8 @@ class BasePlant:
     Parameters
     ----------
     base
-        Mass, centre of mass and alpha are its own: the centre of mass stands above the origin of base_link. Driven
-        wheels are fixed or Swedish; castors and passive spheres bear load without friction.
+        Mass, centre of mass and alpha are its own. Driven wheels are fixed or Swedish; castors and passive spheres
+        bear load without friction.
     drive
         Motors, gears, encoders of the wheels.
     floor
@@ -77,7 +78,7 @@ class BasePlant:
     Raises
     ------
     ModelError
-        No mass, a centre of mass elsewhere, wheels of a kind that is not simulated.
+        No mass, wheels of a kind that is not simulated.
     OutOfLimits
         `substeps` below 1.
     UnknownName
@@ -104,16 +105,21 @@ class BasePlant:
         """(m, 3) rim speeds (m/s) of the driven wheels per (vx, vy, w): D with w in rad/s."""
         self.radii = np.array([wheel.radius for wheel in self.driven])
         """(m,) m, of the driven wheels."""
-        self.support = load_shares(base)
-        dt = TICK / substeps
-        reach = max(math.hypot(wheel.x, wheel.y) for wheel in self.driven)
-        rows = [_wheel_row(w, part, drive, dt, reach) for w, part in zip(self.driven, self.support, strict=False)]
+        self.support, contacts = load_shares(base), supports(base)
+        count, dt = len(self.driven), TICK / substeps
+        reach = float(np.hypot(*contacts[:count].T).max())
+        rows = [
+            _wheel_row(w, at, part, drive, dt, reach)
+            for w, at, part in zip(self.driven, contacts, self.support, strict=False)
+        ]
         broken = sorted((round(f.time / TICK), self.wheel_index(f.wheel), FAULTS[f.kind]) for f in faults)
         inertia = base.alpha * self.mass * base.radius**2
         self.params = BasePlantParams(
-            aligned_records([(self.mass, inertia, base.com_height, dt, substeps)], BODY),
+            aligned_records([(self.mass, inertia, base.com_height, dt, substeps, *base.com.tolist())], BODY),
             side_by_side(np.array(rows, WHEEL), share=0.0, share_x=0.0, share_y=0.0),
-            self.support[len(self.driven) :],
+            Supports(
+                self.support[count:], np.ascontiguousarray(contacts), np.zeros(len(contacts)), contacts.mean(axis=0)
+            ),
             *floor_table(floor),
             np.array(broken, dtype=np.int64).reshape(-1, 3),
             SensorParams(*astuple(sensors)),
@@ -137,13 +143,27 @@ class BasePlant:
 
     @property
     def pose(self) -> Array:
-        """True pose (3,): x, y, theta in the world."""
-        return np.array([self.state[name][0] for name in ("x", "y", "theta")])
+        """True pose (3,) of base_link: x, y, theta in the world."""
+        x, y, theta = (float(self.state[name][0]) for name in ("x", "y", "theta"))
+        (dx, dy), c, s = self.base.com, math.cos(theta), math.sin(theta)
+        return np.array([x - c * dx + s * dy, y - s * dx - c * dy, theta])
 
     @property
     def twist(self) -> Array:
-        """True twist (3,) in base_link."""
-        return np.array([self.state[name][0] for name in ("vx", "vy", "w")])
+        """True twist (3,) of base_link, along its axes."""
+        vx, vy, w = (float(self.state[name][0]) for name in ("vx", "vy", "w"))
+        return np.array([vx + w * self.base.com[1], vy - w * self.base.com[0], w])
+
+    @property
+    def acceleration(self) -> Array:
+        """True acceleration (2,) of base_link, along its axes, m/s^2."""
+        return np.array(base_acceleration(self.params.body[0], self.state[0]))
+
+    @property
+    def tipped(self) -> float | None:
+        """When it fell over, s; None while it stands."""
+        tick = int(self.state["tipped"][0])
+        return tick * TICK if tick else None
 
     def place(self, pose: ArrayLike, twist: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         """Put the base at a pose (3,) with a twist (3,) in base_link, wheels rolling, and read its sensors.
@@ -156,10 +176,12 @@ class BasePlant:
         self._place(finite_array("pose", pose, (3,)), finite_array("twist", twist, (3,)), self.noise(1)[0])
 
     def _place(self, pose: ArrayLike, twist: ArrayLike, noise: Array) -> None:
-        state, states = self.state[0], self.states
-        for names, values in ((("x", "y", "theta"), pose), (("vx", "vy", "w"), twist)):
-            for name, value in zip(names, np.asarray(values, float), strict=True):
-                state[name] = value
+        state, states, (dx, dy) = self.state[0], self.states, self.base.com
+        (x, y, theta), (vx, vy, w) = np.asarray(pose, float), np.asarray(twist, float)
+        c, s = math.cos(theta), math.sin(theta)
+        state["x"], state["y"], state["theta"] = x + c * dx - s * dy, y + s * dx + c * dy, theta
+        state["vx"], state["vy"], state["w"] = vx - w * dy, vy + w * dx, w
+        state["tipping"] = state["tipped"] = 0
         state["near"], state["fault"] = True, 0
         states["speed"].flat[: len(self.driven)] = self.rows @ np.asarray(twist, float) / self.radii
         sense(self.params, self.state, states, self.signals, noise)
@@ -179,9 +201,10 @@ class BasePlant:
         return found
 
     def _forward(self) -> Array:
-        """(3, 4 n) twist per wheel speed, rad/s, by least squares."""
-        found = np.zeros((3, -(-len(self.radii) // WIDTH) * WIDTH))
-        found[:, : len(self.radii)] = np.linalg.pinv(self.rows) * self.radii
+        """(3, 4 n) twist of the centre of mass per wheel speed, rad/s, by least squares among those that drag none."""
+        found, (x, y) = np.zeros((3, -(-len(self.radii) // WIDTH) * WIDTH)), self.base.com
+        moved = np.array([[1.0, 0.0, -y], [0.0, 1.0, x], [0.0, 0.0, 1.0]])
+        found[:, : len(self.radii)] = moved @ base_twist(self.base, np.diag(self.radii)).T
         return found
 
     def drive_open(self, voltages: ArrayLike) -> BaseTruth:
@@ -244,17 +267,19 @@ def driven_wheels(base: WheelBase) -> list[Wheel]:
     return [wheel for wheel in base.wheels if wheel.driven]
 
 
-def _wheel_row(wheel: Wheel, share: Array, drive: BaseDrive, dt: float, reach: float) -> tuple[object, ...]:
-    gamma = wheel.roller_angle
+def _wheel_row(
+    wheel: Wheel, at: Array, share: Array, drive: BaseDrive, dt: float, reach: float
+) -> tuple[object, ...]:  # fmt: skip
+    (x, y), gamma = at.tolist(), wheel.roller_angle
     ratio, efficiency = drive.gear.ratio, drive.gear.efficiency
     armature = drive.motor.armature(dt)
     slope = armature.conductance * (1.0 - armature.decay) * armature.back_emf
     turned = wheel.axle + gamma
     along, across = (math.sin(turned), -math.cos(turned)), (math.cos(turned), math.sin(turned))
     return (
-        wheel.x, wheel.y,
-        *along, wheel.x * along[1] - wheel.y * along[0],
-        *across, wheel.x * across[1] - wheel.y * across[0],
+        x, y,
+        *along, x * along[1] - y * along[0],
+        *across, x * across[1] - y * across[0],
         wheel.radius * math.cos(gamma), -wheel.radius * math.sin(gamma),
         reach, ratio * efficiency, ratio / efficiency, slope,
         wheel.kind == "swedish", drive.roller_drag, *share, drive.inertia, drive.motor.torque_constant,

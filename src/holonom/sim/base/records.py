@@ -15,7 +15,7 @@ F, I = np.float64, np.int64
 
 WHEEL = np.dtype(
     [
-        ("x", F),  # contact point in base_link, m
+        ("x", F),  # contact point about the centre of mass, along the axes of base_link, m
         ("y", F),
         ("along_x", F),  # direction in which the contact carries the drive force; its lever arm, m
         ("along_y", F),
@@ -25,7 +25,7 @@ WHEEL = np.dtype(
         ("across_arm", F),
         ("along_radius", F),  # slip along and across per wheel speed, m: r cos(gamma), -r sin(gamma)
         ("across_radius", F),
-        ("reach", F),  # of the base: from its origin to the farthest contact, m
+        ("reach", F),  # of the base: from its centre of mass to the farthest contact, m
         ("gain", F),  # gear: wheel torque per motor torque, driving and driven back
         ("gain_back", F),
         ("current_slope", F),  # A s/rad that back-emf takes in a step as the motor turns faster
@@ -44,8 +44,9 @@ WHEEL = np.dtype(
 )
 """One driven wheel with its motor."""
 
-BODY = np.dtype([("mass", F), ("inertia", F), ("height", F), ("dt", F), ("substeps", I)])
-"""The rigid body: kg, kg m2, height of its centre of mass (m); step of the plant (s), steps per millisecond."""
+BODY = np.dtype([("mass", F), ("inertia", F), ("height", F), ("dt", F), ("substeps", I), ("com_x", F), ("com_y", F)])
+"""The rigid body: kg, kg m2 about its centre of mass, height of that (m); step of the plant (s), steps per millisecond;
+where the centre of mass is in base_link, m."""
 
 WHEEL_STATE = np.dtype(
     [
@@ -72,16 +73,20 @@ WHEEL_STATE = np.dtype(
 
 BODY_STATE = padded(
     [
-        ("x", F),
+        ("x", F),  # of the centre of mass
         ("y", F),
         ("theta", F),
         ("cosine", F),  # of theta; set anew each millisecond
         ("sine", F),
-        ("vx", F),  # base_link, m/s and rad/s
+        ("vx", F),  # of the centre of mass along the axes of base_link, m/s; rad/s
         ("vy", F),
         ("w", F),
-        ("ax", F),  # of the centre, in base_link, m/s2
+        ("ax", F),  # the same, m/s2 and rad/s2
         ("ay", F),
+        ("aw", F),
+        ("light", I),  # 1 or 0: no loads of its wheels carry it
+        ("tipping", I),  # ms for which no loads of its wheels carried it, less those for which some did
+        ("tipped", I),  # tick at which it fell over; 0: it stands
         ("supplied", F),  # energies since the start, J
         ("heat", F),
         ("airgap", F),
@@ -102,7 +107,7 @@ BODY_SAMPLE = np.dtype(
         )
     ]
 )  # fmt: skip
-"""The body at one millisecond: fields of `BODY_STATE`."""
+"""base_link at one millisecond: pose and twist; acceleration of the centre of mass along its axes; energies."""
 
 WHEEL_SAMPLE = np.dtype(
     [

@@ -10,15 +10,16 @@ from numpy.typing import NDArray
 from holonom.arrays import Array
 from holonom.devices.drive_signals import WheelSignals
 from holonom.devices.kernels import EncoderParams, encoder_counter
-from holonom.sim.base.kernels import break_motor, plant_steps
+from holonom.sim.base.kernels import Supports, break_motor, plant_steps
 from holonom.trace.code.compiled import sincos
 from holonom.trace.code.loops import loop
 from holonom.trace.code.simd import WIDTH, load, packed, store
 
-__all__ = ["BasePlantParams", "SensorParams", "advance", "find_material", "sense"]
+__all__ = ["BasePlantParams", "SensorParams", "advance", "base_acceleration", "find_material", "sense"]
 
 FLAGS = {"contract"}
 TICK = 1e-3  # s, of a step
+TIPS = 10  # ms for which nothing carries a base that has tipped over
 Integers = NDArray[np.int64]
 Records = NDArray[np.void]
 
@@ -38,13 +39,13 @@ class BasePlantParams(NamedTuple):
 
     body: Records  # (1,)
     wheels: Records  # (n,) fours
-    passive: Array  # (k, 3) how weight and its moments spread over the supports beside the driven wheels
+    supports: Supports
     floor: Records
     patches: Records
     faults: Integers  # (f, 3) tick, wheel, kind, in order of time
     sensors: SensorParams
     ideal: bool  # wheels turn as they are told, and do not slip
-    forward: Array  # (3, 4 n) twist (vx, vy, w) per wheel speed where nothing slips
+    forward: Array  # (3, 4 n) twist (vx, vy, w) of the centre of mass per wheel speed where nothing slips
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -62,8 +63,11 @@ def advance(params: BasePlantParams, state: Records, states: Records, signals: W
     body.near = 1 if near else 0
     for i in range(len(states)):
         packed(states[i]).voltage = load(signals.voltages, i)
-    plant_steps(params.body[0], body, params.wheels, states, params.passive)
+    plant_steps(params.body[0], body, params.wheels, states, params.supports)
     body.tick += 1
+    body.tipping = body.tipping + 1 if body.light != 0 else max(body.tipping - 1, 0)
+    if body.tipping >= TIPS and body.tipped == 0:
+        body.tipped = body.tick
     sense(params, state, states, signals, noise)
 
 
@@ -76,8 +80,9 @@ def sense(params: BasePlantParams, state: Records, states: Records, signals: Whe
         break_motor(states[wheel // WIDTH], wheel % WIDTH, params.faults[body.fault, 2])
         body.fault += 1
     signals.inertial[0] = body.w + sensors.gyro_bias + sensors.gyro_noise * noise[0]
-    signals.inertial[1] = body.ax + sensors.accelerometer_bias + sensors.accelerometer_noise * noise[1]
-    signals.inertial[2] = body.ay + sensors.accelerometer_bias + sensors.accelerometer_noise * noise[2]
+    ax, ay = base_acceleration(params.body[0], body)
+    signals.inertial[1] = ax + sensors.accelerometer_bias + sensors.accelerometer_noise * noise[1]
+    signals.inertial[2] = ay + sensors.accelerometer_bias + sensors.accelerometer_noise * noise[2]
     for i in range(len(states)):
         wheel, own = params.wheels[i], states[i]
         for lane in range(WIDTH):
@@ -85,6 +90,13 @@ def sense(params: BasePlantParams, state: Records, states: Records, signals: Whe
             counter = encoder_counter(encoder, wheel.gear.ratio[lane] * own.angle[lane])
             signals.counters[i * WIDTH + lane] = counter
         store(signals.currents, i, packed(own).current + sensors.current_noise * load(noise[3:], i))
+
+
+@loop(error_model="numpy", forceinline=True)
+def base_acceleration(known: Any, body: Any) -> tuple[float, float]:
+    """Acceleration of base_link along its axes, m/s2: where its accelerometers are."""
+    x, y, square = known.com_x, known.com_y, body.w * body.w
+    return body.ax + body.aw * y + square * x, body.ay - body.aw * x + square * y
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -100,6 +112,7 @@ def _follow(params: BasePlantParams, body: Any, states: Records, signals: WheelS
         vy += params.forward[1, i] * speed
         w += params.forward[2, i] * speed
     body.ax, body.ay = (vx - body.vx) / TICK - w * vy, (vy - body.vy) / TICK + w * vx
+    body.aw = (w - body.w) / TICK
     s, c = sincos(body.theta + 0.5 * TICK * w)
     body.x += TICK * (c * vx - s * vy)
     body.y += TICK * (s * vx + c * vy)

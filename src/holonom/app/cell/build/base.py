@@ -13,7 +13,8 @@ from holonom.app.cell.model.drives import BaseLimits, BaseParts, WheelDrive, lev
 from holonom.app.cell.model.places import placement_pose
 from holonom.app.cell.model.robot import Robot
 from holonom.app.cell.model.tasks import FAULTS, PathTable, StartTable
-from holonom.app.job import BaseJob, Task
+from holonom.app.job import BaseJob, PathTolerance, Task
+from holonom.app.report.findings.base_outline import margin_of
 from holonom.arrays import Array
 from holonom.control.shaping import ShapingSettings
 from holonom.devices import DcMotor, Encoder, Friction, Gear
@@ -29,6 +30,7 @@ __all__ = ["build_base_job", "deck_height", "refuse_unsimulated", "unsimulated"]
 
 DECK = 2.6
 """Height of a drawn deck over the radius of the largest wheel."""
+BESIDE = 0.05  # of the larger side of a path's box, that a base may be off it where the cell says nothing
 AWAY = 1e-3  # m and rad that the start of a path may lie beside the pose that a cell states
 
 
@@ -82,6 +84,7 @@ def build_base_job(cell: Cell, number: int, path: Path, sensors: BaseSensors) ->
         raise CellError(f"{place_in(path, *at, key)}: {problem}") from None
     if task.path is not None:
         notes += _check_path(robot, task, path, at)
+    _check_stand(base, path, at)
     start = _start(robot, task.path, path, at)
     why = unsimulated(base)
     if why is not None:
@@ -154,6 +157,7 @@ def _settings(robot: Robot, sensors: BaseSensors) -> BaseSettings:
         slip=settings.slip if parts.slip_detection else None,
         traction=settings.traction if parts.traction_control else None,
         watch=settings.watch if parts.dead_motor_compensation else None,
+        keep=robot.path.keep if robot.path is not None else settings.keep,
     )
 
 
@@ -161,11 +165,18 @@ def _task(robot: Robot) -> Task:
     start = robot.start or StartTable.model_construct()
     found = Task(start=start.time, after=start.signal, done=robot.done)
     if robot.path is not None:
-        return dataclasses.replace(found, path=_path(robot.path))
+        path = _path(robot.path)
+        return dataclasses.replace(found, path=path, tolerance=_tolerance(robot.path, path))
     if robot.velocity is not None:
         rows = np.array([[step.at, step.vx, step.vy, step.w] for step in robot.velocity])
         return dataclasses.replace(found, velocities=rows)
     return dataclasses.replace(found, hold=robot.hold if robot.hold is not None else 0.0)
+
+
+def _tolerance(table: PathTable, path: ReferencePath) -> PathTolerance:
+    """What the cell allows, else a part of the larger side of the path's box."""
+    box = float(np.ptp(path.pose[:, :2], axis=0).max())
+    return PathTolerance(table.position_tolerance or BESIDE * box, table.heading_tolerance)
 
 
 def _path(path: PathTable) -> ReferencePath:
@@ -212,6 +223,17 @@ def _check_path(robot: Robot, task: Task, path: Path, at: tuple[str | int, ...])
             raise CellError(f"{place_in(path, *at, 'path')}: {problem}") from None
         return (*notes, f"it cannot drive its path: {problem}")
     return notes
+
+
+def _check_stand(base: WheelBase, path: Path, at: tuple[str | int, ...]) -> None:
+    """Refuse a base that tips at rest; one whose wheels span no area is held upright."""
+    margin = margin_of(base)
+    if margin is not None and margin < 0.0:
+        x, y = (1e3 * float(value) for value in base.com)
+        raise CellError(
+            f"{place_in(path, *at, 'model', 'com')}: ({x:g}, {y:g}) mm came; the base tips over at rest: its centre of "
+            "mass must lie between its wheels"
+        )
 
 
 def _start(robot: Robot, path: ReferencePath | None, file: Path, at: tuple[str | int, ...]) -> Array:

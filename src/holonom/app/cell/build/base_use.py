@@ -7,8 +7,12 @@ from typing import Any
 import numpy as np
 
 from holonom.app.job import BaseJob
-from holonom.mobile import drive_limits, dynamic_margin, rim_speeds, wheel_forces
+from holonom.mobile import drive_limits, dynamic_margin, rim_speeds
+from holonom.mobile.base.wheel_base import DRAG
+from holonom.mobile.drive.failed_motor import motors_hold_all
+from holonom.mobile.drive.sharing import shared_forces
 from holonom.sim import Floor
+from holonom.sim.base.kernels import FOOT
 
 __all__ = ["path_use", "path_warnings"]
 
@@ -30,8 +34,8 @@ def path_use(job: BaseJob) -> dict[str, Any]:
 def path_warnings(job: BaseJob, floor: Floor) -> list[str]:
     """What the path asks of motors, floor and stance that they do not have; faults that come too late."""
     if job.task.path is None:
-        return []
-    return [*_asked(job, floor), *_too_late(job)]
+        return _undrivable(job)
+    return [*_asked(job, floor), *_lamed(job), *_too_late(job)]
 
 
 def _asked(job: BaseJob, floor: Floor) -> list[str]:
@@ -43,22 +47,57 @@ def _asked(job: BaseJob, floor: Floor) -> list[str]:
     if speed > most:
         return [f"the path asks for wheels at {speed:.0f} rad/s; the motors reach {most:.0f} rad/s"]
     limits = drive_limits(base, job.drive.motor, job.drive.gear, floor.material.peak)
-    forces = wheel_forces(base, path.acceleration, base.mass or 0.0)
+    forces = shared_forces(base, path.acceleration, twist=path.twist)
     low, high = limits.motor_limits(rim_speeds(base, path.twist))
+    centre = path.acceleration[:, :2] + path.acceleration[:, 2:] * [-base.com[1], base.com[0]]
+    centre = centre - path.twist[:, 2:] ** 2 * base.com
     found = []
     for what, over in (
         ("more force than the motors have", np.maximum(forces / high, forces / low)),
-        ("more force than the floor takes", np.abs(forces) / np.maximum(limits.grip(path.acceleration[:, :2]), 1e-9)),
+        ("more force than the floor takes", np.abs(forces) / np.maximum(limits.grip(centre), 1e-9)),
     ):
-        k, wheel = np.unravel_index(int(over.argmax()), over.shape)
-        if over[k, wheel] > 1.0:
-            name = base.driven[wheel]
-            found.append(f"the path asks for {what}: {forces[k, wheel]:.1f} N of {name} at {path.time[k]:.2f} s")
-    margin = dynamic_margin(base, path.acceleration[:, :2])
-    if margin.min() < 0.0:
+        worst = over.max(axis=1)
+        if worst.max() > 1.0:
+            first, k = int(np.argmax(worst > 1.0)), int(worst.argmax())
+            wheel = int(over[k].argmax())
+            worst_of = f"most at {path.time[k]:.2f} s, {forces[k, wheel]:.1f} N of {base.driven[wheel]}"
+            found.append(f"the path asks for {what}: first at {path.time[first]:.2f} s, {worst_of}")
+    margin = dynamic_margin(base, centre)
+    if margin.min() < -FOOT:
+        first, k = int(np.argmax(margin < -FOOT)), int(margin.argmin())
         found.append(
-            f"the base tips over at {path.time[int(margin.argmin())]:.2f} s: brake and turn less, or build lower"
+            f"the base tips over at {path.time[first]:.2f} s (most, by {-1e3 * margin[k]:.0f} mm, at "
+            f"{path.time[k]:.2f} s): brake and turn less, or build lower"
         )
+    return found
+
+
+def _undrivable(job: BaseJob) -> list[str]:
+    """Velocities that its wheels cannot follow, and what is driven instead."""
+    if job.task.velocities is None:
+        return []
+    found = []
+    for at, *asked in job.task.velocities.tolist():
+        near = job.base.feasible(asked)
+        if np.abs(near - asked).max() > DRAG:
+            shown = [", ".join(f"{x:.3g}" for x in twist) for twist in (asked, near)]
+            found.append(f"velocity at {at:g} s: its wheels cannot follow ({shown[0]}); the nearest is ({shown[1]})")
+    return found
+
+
+def _lamed(job: BaseJob) -> list[str]:
+    """Motors without which the others cannot hold path and heading at once, where the cell does not choose."""
+    base, lost, found = job.base, 0, []
+    if base.steered or job.settings.keep != "both":
+        return []
+    for fault in sorted(job.faults, key=lambda fault: fault.time):
+        wheel = base.driven.index(fault.wheel) if isinstance(fault.wheel, str) else fault.wheel
+        lost |= 1 << wheel
+        if fault.kind == "dead" and not motors_hold_all(base, lost):
+            found.append(
+                f"without the motor of {base.driven[wheel]}, from {fault.time:g} s on, the others cannot hold path and "
+                'heading at once; keep = "path" or "heading" in its path chooses, else both are asked'
+            )
     return found
 
 

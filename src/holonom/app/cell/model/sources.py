@@ -14,7 +14,7 @@ from pydantic_core import core_schema
 
 from holonom.app.cell.model.refusals import Faults, read_form, refuse
 from holonom.app.fields.methods import params_schema, read_params
-from holonom.app.fields.quantities import Angle, File, Length, OneOf, Quantity, Section, Size, Text
+from holonom.app.fields.quantities import Angle, File, Length, OneOf, Quantity, Section, Size, Text, Vector2
 from holonom.errors import CellError, InputError, ModelError, UnknownName
 from holonom.mobile import Wheel, WheelBase
 from holonom.mobile.base.wheel import KINDS
@@ -91,7 +91,9 @@ class BodyTable(Section):
     mass: Annotated[float, Quantity("mass", "1g", "5000kg")]
     """mass with wheels and motors"""
     mass_distribution: Annotated[float, Quantity("number", 0.01, 10.0)] = 0.5
-    """alpha of the moment of inertia alpha M R2: 0.5 for a disc, 1 for a ring"""
+    """alpha of the moment of inertia alpha M R2 about the centre of mass: 0.5 for a disc, 1 for a ring"""
+    com: Vector2 = (0.0, 0.0)
+    """centre of mass in base_link: forwards, and to the left"""
     height: Annotated[float, Quantity("length", "0mm", "5m")] = 0.0
     """height of the centre of mass"""
 
@@ -198,7 +200,8 @@ def _one_by_one(given: Mapping[str, Any], info: ValidationInfo) -> BaseSource:
             raise refuse(("wheels",), f"{table!r} came; names need an arrangement, or give each wheel as a table")
         wheels.append(Wheel.at(**table.model_dump()))
     return BaseSource("", None, WheelBase(
-        wheels, name="base", alpha=body.mass_distribution, mass=body.mass, com_height=body.height
+        wheels, name="base", alpha=body.mass_distribution, mass=body.mass, com=body.com,
+        com_height=body.height,
     ))  # fmt: skip
 
 
@@ -247,7 +250,7 @@ def _built(made: WheelBase, wheels: list[Wheel], body: BodyTable) -> WheelBase:
     shared = {name: group for name, group in groups.items() if len(group) > 1}
     base = WheelBase(
         wheels, name=made.name, radius=made.radius, alpha=body.mass_distribution, mass=body.mass,
-        com_height=body.height, steering_groups=shared,
+        com=body.com, com_height=body.height, steering_groups=shared,
     )  # fmt: skip
     rollers = all(wheel.kind == "swedish" for wheel in wheels)
     if rollers and np.linalg.matrix_rank(base.velocity_coupling, tol=1e-6) < 3:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Any
 
 from pydantic import Field, Strict, ValidationInfo, field_validator, model_validator
@@ -9,6 +10,7 @@ from pydantic import Field, Strict, ValidationInfo, field_validator, model_valid
 from holonom.app.fields.quantities import Angle, Count, OneOf, OwnFile, Quantity, Section, Size, Text, Vector2
 from holonom.errors import CellError
 from holonom.machine.base.paths import HEADINGS, PATHS
+from holonom.machine.base.settings import KEEP
 from holonom.sim.base.plant import FAULTS as MOTOR_FAULTS
 
 __all__ = [
@@ -76,6 +78,14 @@ class PathTable(Section):
     """where the base looks: always the same way, along the path, or once around per lap"""
     angle: Angle = 0.0
     """its heading at the start; against the path where it looks along it"""
+    position_tolerance: Size | None = None
+    """how far off the path the base may truly be, else the run has failed; 5 % of the larger side of the path's box
+    unless given"""
+    heading_tolerance: Annotated[float, Quantity("angle", "0.01deg", "180deg")] = math.radians(10.0)
+    """how far its true heading may be off"""
+    keep: Annotated[str, OneOf(KEEP)] = "both"
+    """what is kept once motors are lost and the others cannot hold both: the path, the heading; both are asked unless
+    given, so that such a run fails"""
 
     @model_validator(mode="after")
     def _size_or_points(self) -> PathTable:

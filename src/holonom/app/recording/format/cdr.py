@@ -179,6 +179,11 @@ class CdrReader:
         """Bytes, after their count."""
         return self._taken(self.uint32())
 
+    def doubles(self, count: int) -> NDArray[np.float64]:
+        """`count` doubles, (count,)."""
+        self._align(8)
+        return np.frombuffer(self._taken(8 * count), dtype="<f8", count=count)
+
     def skip_doubles(self, count: int) -> None:
         """Pass over `count` doubles."""
         if count:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from holonom.app.recording import BaseTrack, Recording
+from holonom.app.report.findings.base_outline import base_of
 from holonom.app.report.findings.base_words import (
     SlipVerdicts,
     Spell,
@@ -19,6 +20,7 @@ from holonom.app.report.findings.base_words import (
 )
 from holonom.app.report.findings.facts import FaultFacts, RobotFacts
 from holonom.arrays import Array
+from holonom.mobile.drive.slip import detectable
 
 __all__ = [
     "BaseFindings",
@@ -52,7 +54,7 @@ class SlipEpisode:
     """A wheel that truly slipped from `start` to `end` (s), and what was said meanwhile.
 
     `detected` is when first a slip was found, `identified` when first this wheel was named (None: never); `named` are
-    all wheels that were named, in order.
+    all wheels that were named, in order. `detectable` says whether this base's wheels can show slip at all.
     """
 
     wheel: str
@@ -62,6 +64,7 @@ class SlipEpisode:
     detected: float | None
     identified: float | None
     named: tuple[str, ...]
+    detectable: bool = True
 
     @property
     def delay(self) -> float | None:
@@ -151,7 +154,7 @@ def findings_of(recording: Recording, facts: RobotFacts) -> BaseFindings:
     """Look through a base's recording: its events, and where they do not tell it the wheels' true slip."""
     limit = facts.base.slip_at_peak if facts.base is not None else SLIP_AT_PEAK
     verdicts = verdicts_of(recording.events, recording.end())
-    slips = _episodes(recording, verdicts, limit)
+    slips = _episodes(recording, verdicts, limit, detectable=_detectable(facts))
     told = facts.base.faults if facts.base is not None else ()
     faults = faults_of(recording.events, told)
     lost = dead_since(recording.events)
@@ -207,7 +210,13 @@ def _at(time: Array, known: Array, poses: Array) -> Array:
     return np.stack([np.interp(time, known, column) for column in columns], axis=1)
 
 
-def _episodes(recording: Recording, verdicts: SlipVerdicts, limit: float) -> list[SlipEpisode]:
+def _detectable(facts: RobotFacts) -> bool:
+    """Whether the wheels of a base can contradict each other; taken for so where nothing is known of them."""
+    base = base_of(facts)
+    return base is None or bool(base.steered) or detectable(base)
+
+
+def _episodes(recording: Recording, verdicts: SlipVerdicts, limit: float, *, detectable: bool) -> list[SlipEpisode]:
     """Every stretch of time in which a wheel slipped beyond its grip, in order of their starts."""
     track = recording.contacts
     told = gripping_again(recording.events, recording.end())
@@ -216,6 +225,7 @@ def _episodes(recording: Recording, verdicts: SlipVerdicts, limit: float) -> lis
         slip = np.abs(track.slip[:, number]) if len(track.time) else np.empty(0)
         spells = _joined(told[wheel]) if wheel in told else [] if told else _stretches(track.time, slip > limit)
         found += [_episode(wheel, spell, track.time, slip, verdicts) for spell in spells]
+    found = [replace(episode, detectable=detectable) for episode in found]
     return sorted(found, key=lambda episode: episode.start)
 
 

@@ -83,7 +83,8 @@ class PatchFacts:
 class BaseFacts:
     """A mobile base as `holonom.mobile.WheelBase` takes it, its motors, and the floor it drives on.
 
-    `friction` is the floor's largest coefficient, at slip `slip_at_peak`, m/s.
+    `friction` is the floor's largest coefficient, at slip `slip_at_peak`, m/s. The tolerances, m and rad, are what its
+    path is judged by; None without.
     """
 
     wheels: tuple[Wheel, ...]
@@ -97,6 +98,8 @@ class BaseFacts:
     friction: float
     slip_at_peak: float
     faults: tuple[FaultFacts, ...] = ()
+    position_tolerance: float | None = None
+    heading_tolerance: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -193,7 +196,8 @@ class Ending:
         "peak_voltage", "peak_error", "rms_error" (rad or m), "peak_grip" (force over what friction can hold), each at
         the rate of the compiled loops; absent where it is not known.
     numbers
-        For each robot by name: "path_driven" (0 to 1), "contact_force" (N), as far as it has them.
+        For each robot by name: "path_driven" (0 to 1, of a path with a tolerance the part on which it truly was within
+        it), "contact_force" (N), as far as it has them.
     """
 
     status: str

@@ -51,7 +51,8 @@ def _tracking(phase: Mapping[str, Any]) -> str:
 
 
 def _slip(slip: Mapping[str, Any]) -> str:
-    found = "not found" if slip["delay"] is None else f"found after {1e3 * slip['delay']:.0f} ms"
+    missed = "not found" if slip["detectable"] else "not detectable by these wheels"
+    found = missed if slip["delay"] is None else f"found after {1e3 * slip['delay']:.0f} ms"
     if slip["naming_delay"] is not None:
         found += f", named after {1e3 * slip['naming_delay']:.0f} ms"
     elif slip["delay"] is not None:

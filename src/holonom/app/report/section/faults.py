@@ -42,7 +42,7 @@ def _slip(slip: SlipEpisode) -> tuple[str, ...]:
     return (
         f"{slip.wheel} slips, up to {slip.peak:.2f} m/s",
         f"{slip.start:.3f} s",
-        _after(slip.delay),
+        _after(slip.delay) if slip.detectable or slip.delay is not None else "not detectable",
         _after(slip.naming_delay) if slip.delay is not None else "",
         " and ".join(slip.named) or ("ambiguous" if slip.detected is not None else ""),
     )

@@ -16,11 +16,16 @@ from holonom.app.report.source import RobotSource, Source
 from holonom.arrays import Array
 from holonom.errors import InputError
 from holonom.mobile import WheelBase, acceleration_envelope, drive_limits, effective_motors, speed_envelope
+from holonom.mobile.drive.failed_motor import motors_hold_all
 from holonom.registry import OWN, Method
 
 __all__ = ["SECTION"]
 
 INTACT, DEAD = "#0b7285", "#d9480f"
+_LEFT_OUT = (
+    "Without {} its motors cannot hold path and heading at once: they push it without a turn along one line at most, "
+    "which no figure by direction can show, so none is drawn."
+)
 NOTE = "By direction of travel in the robot frame, without turning: what motors and floor can give."
 
 
@@ -37,10 +42,17 @@ def _section(robot: RobotSource) -> Figures | None:
     try:
         if np.linalg.matrix_rank(base.velocity_coupling, tol=1e-9) < 3:  # it cannot drive in all directions
             return None
-        figures = _figures(base, facts, dead)
+        lame = _lame(base, dead)
+        figures = _figures(base, facts, () if lame else dead)
     except InputError:  # steered wheels have no constant coupling
         return None
-    return Figures(robot.key("polar"), robot.called("What the drive can do"), figures, NOTE)
+    note = f"{NOTE} {_LEFT_OUT.format(' and '.join(dead))}" if lame else NOTE
+    return Figures(robot.key("polar"), robot.called("What the drive can do"), figures, note)
+
+
+def _lame(base: WheelBase, dead: Sequence[str]) -> bool:
+    """Whether the motors that are left push the base in hardly any direction without turning it."""
+    return not motors_hold_all(base, sum(1 << base.driven.index(wheel) for wheel in dead))
 
 
 def _figures(base: WheelBase, facts: BaseFacts, dead: Sequence[str]) -> list[Polar]:

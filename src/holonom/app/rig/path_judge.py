@@ -1,0 +1,81 @@
+"""Whether a base was where its path wanted it, by its true pose; the controller's own belief counts for nothing."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from holonom.app.job import BaseJob
+from holonom.arrays import Array
+from holonom.closed_loop.base_kernels import LogBuffer
+from holonom.mobile.drive.failed_motor import motors_hold_all
+from holonom.sim.base.log import columns
+
+__all__ = ["PathJudge"]
+
+
+class PathJudge:
+    """Compares true poses with the reference, millisecond by millisecond. Mutable state: the worst of both, the way.
+
+    Parameters
+    ----------
+    job
+        A base with a path and a tolerance.
+    """
+
+    def __init__(self, job: BaseJob) -> None:
+        assert job.task.path is not None
+        assert job.task.tolerance is not None
+        self._tolerance, self._keep, self._base = job.task.tolerance, job.settings.keep, job.base
+        steps = np.diff(job.task.path.pose[:, :2], axis=0)
+        self._length = float(np.hypot(*steps.T).sum())
+        self.given_up = ""
+        """What was not asked any more after motors were lost: "heading", "path", or nothing."""
+        self._on = 0.0  # m of the path on which it was within its tolerance
+        self._last: Array | None = None
+        self._worst = [(0.0, 0.0), (0.0, 0.0)]  # error and time, of place (m) and heading (rad)
+
+    @property
+    def kept(self) -> float:
+        """Part of the path's length on which it was where it should be, 0 to 1."""
+        return min(self._on / self._length, 1.0) if self._length > 0.0 else 1.0
+
+    def see(self, first: int, log: LogBuffer) -> None:
+        """Look at a buffer whose first millisecond is given."""
+        wanted, true = columns(log.controlled, "ref_x", "ref_y", "ref_theta"), columns(log.body, "x", "y", "theta")
+        place, heading = self._errors(true - wanted, log.controlled["dead"].astype(np.int64))
+        for k, error in enumerate((place, heading)):
+            at = int(np.argmax(error))
+            if error[at] > self._worst[k][0]:
+                self._worst[k] = float(error[at]), 1e-3 * (first + at)
+        path = wanted[:, :2] if self._last is None else np.vstack([self._last, wanted[:, :2]])
+        steps = np.hypot(*np.diff(path, axis=0).T)
+        within = (place <= self._tolerance.position) & (heading <= self._tolerance.heading)
+        self._on += float(steps[within[len(within) - len(steps) :]].sum())
+        self._last = wanted[-1:, :2].copy()
+
+    def verdict(self) -> str:
+        """What was missed, in words; "" where the path was kept."""
+        (place, at), (turn, then) = self._worst
+        missed = []
+        if place > self._tolerance.position:
+            missed.append(f"{place:.3g} m off at {at:.2f} s, {self._tolerance.position:.3g} m are allowed")
+        if turn > self._tolerance.heading:
+            allowed = np.degrees(self._tolerance.heading)
+            missed.append(f"{np.degrees(turn):.3g} deg off at {then:.2f} s, {allowed:.3g} deg are allowed")
+        if not missed:
+            return ""
+        share = f"{100.0 * self.kept:.0f} % of the path was driven within its tolerance"
+        return f"the path was not kept: {'; '.join(missed)}; {share}"
+
+    def _errors(self, error: Array, dead: Array) -> tuple[Array, Array]:
+        """Errors (N,) of place, m, and heading, rad, that count: only the chosen one, once motors are lost."""
+        place: Array = np.hypot(error[:, 0], error[:, 1])
+        heading: Array = np.abs((error[:, 2] + np.pi) % (2.0 * np.pi) - np.pi)
+        if self._keep == "both" or not dead.any():
+            return place, heading
+        lame = np.isin(dead, [d for d in np.unique(dead) if not motors_hold_all(self._base, int(d))])
+        if lame.any():
+            self.given_up = "heading" if self._keep == "path" else "path"
+        if self._keep == "path":
+            return place, np.where(lame, 0.0, heading)
+        return np.where(lame, 0.0, place), heading

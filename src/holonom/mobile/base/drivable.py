@@ -1,0 +1,102 @@
+"""Twists that wheels with limited steering can follow: the nearest one, and the tightest curve.
+
+A wheel that turns by up to d to either side of its rest follows a contact velocity of p along and q across that rest if
+|q| <= tan(d) |p|: two opposite wedges. Of a base they make a union of polyhedral cones; the nearest point of one is the
+foot of a perpendicular on the span of one of its faces, so all spans are tried (Nocedal & Wright, Numerical
+Optimization, 16.5: active sets, here few enough to list).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+
+from holonom.arrays import Array
+from holonom.mobile.base.dynamics import free_motions
+from holonom.mobile.base.wheel import Wheel
+from holonom.mobile.equations.wheels import rolling_row, sliding_row, unit
+
+__all__ = ["Wedges", "tightest_curve"]
+
+ROUNDING = 1e-9
+"""Of a twist, by which it may lie outside a wedge; part of a radian by which it is kept inside."""
+
+
+class Wedges:
+    """The limits of a base's steered wheels, in (vx, vy, R w).
+
+    Parameters
+    ----------
+    wheels
+        With their limits, rad; those that turn all around have none.
+    held
+        (n, 3) sliding rows per (vx, vy, R w) of wheels that do not steer.
+    radius
+        R, m.
+    """
+
+    def __init__(self, wheels: list[tuple[Wheel, float]], held: Array, radius: float) -> None:
+        self.held, scale = held, np.array([1.0, 1.0, 1.0 / radius])
+        bound = [(wheel, limit) for wheel, limit in wheels if limit < 0.5 * math.pi - ROUNDING]
+        self.slope = np.array([math.tan(limit) * (1.0 - ROUNDING) for _, limit in bound])
+        places = [(wheel.x, wheel.y, *unit(wheel.axle)) for wheel, _ in bound]
+        self.along = np.array([rolling_row(*place) for place in places], dtype=float).reshape(-1, 3) * scale
+        self.across = np.array([sliding_row(*place) for place in places], dtype=float).reshape(-1, 3) * scale
+
+    @property
+    def edges(self) -> Array:
+        """(2 m, 3) rows that vanish on the edges of the wedges."""
+        lean = self.slope[:, None] * self.along
+        return np.concatenate([lean - self.across, lean + self.across])
+
+    def hold(self, v: Array) -> Array:
+        """Whether twists (..., 3) lie in all wedges, (...)."""
+        size = ROUNDING * (np.linalg.norm(v, axis=-1, keepdims=True) + 1e-300)
+        inside = np.abs(v @ self.across.T) <= self.slope * np.abs(v @ self.along.T) + size
+        return np.asarray(inside.all(axis=-1))
+
+    def nearest(self, v: Array) -> Array:
+        """The nearest twists (N, 3) that drag no fixed wheel and lie in all wedges."""
+        free = free_motions(self.held)
+        v = v @ free @ free.T
+        beyond = np.flatnonzero(np.logical_not(self.hold(v)))
+        if not len(beyond):
+            return v
+        asked, best = v[beyond], np.zeros((len(beyond), 3))
+        least = np.linalg.norm(asked, axis=1)  # a base that stands is inside
+        for rows in _subsets(self.edges, free.shape[1]):
+            span = free_motions(np.concatenate([self.held, rows]))
+            foot = asked @ span @ span.T
+            far = np.linalg.norm(asked - foot, axis=1)
+            nearer = (far < least) & self.hold(foot)
+            best[nearer], least[nearer] = foot[nearer], far[nearer]
+        found = v.copy()
+        found[beyond] = best
+        return found
+
+
+def tightest_curve(wedges: Wedges, radius: float) -> float:
+    """Radius, m, of the tightest curve that base_link can drive to the left as well as to the right.
+
+    0 where it turns on the spot, infinite where it cannot turn.
+    """
+    found = [math.inf, math.inf]
+    ahead = np.array([[1.0, 0.0, 0.0]])
+    for rows in _subsets(np.concatenate([wedges.edges, ahead]), 3):
+        A = np.concatenate([wedges.held, rows, [[0.0, 0.0, 1.0 / radius]]])
+        b = np.append(np.zeros(len(A) - 1), 1.0)
+        v = np.linalg.lstsq(np.concatenate([A, 1e-9 * np.eye(2, 3)]), np.append(b, [0.0, 0.0]), rcond=None)[0]
+        if np.abs(A @ v - b).max() > 1e-6 or not wedges.hold(v):
+            continue
+        size = math.hypot(v[0], v[1])
+        for side, to in enumerate((v[0], -v[0])):
+            if to >= -1e-6 * size:
+                found[side] = min(found[side], size)
+    return 0.0 if max(found) < 1e-6 else max(found)
+
+
+def _subsets(rows: Array, most: int) -> list[Array]:
+    """Sets of up to so many rows less one: spans of at least one dimension."""
+    return [rows[list(k)] for n in range(most) for k in itertools.combinations(range(len(rows)), n)]
