@@ -3,6 +3,7 @@
 PYTHON ?= python3
 PYTEST_ARGS ?=
 BENCH_ARGS ?=
+FUZZ_ARGS ?=
 VENV := .venv
 BIN := $(VENV)/bin
 DEMO := runs/sort_coins
@@ -14,12 +15,13 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
-.PHONY: help demo test oracle check bench docs wheel clean
+.PHONY: help demo test oracle check fuzz bench docs wheel clean
 
 help:
 	@echo "make demo    a Puma 560 sorts the coins it sees in a photograph; writes $(DEMO)/report.html"
 	@echo "make test    lint, types, layers, then every test (PYTEST_ARGS='-k ik' narrows them)"
 	@echo "make check   lint, types and layers only"
+	@echo "make fuzz    every reader of files against damaged inputs (FUZZ_ARGS='cell --count 1000' narrows them)"
 	@echo "make oracle  the same quantities by peer libraries, and every benchmark once, small"
 	@echo "make bench   speed beside the peer libraries"
 	@echo "make docs    HTML documentation in docs/_build/html"
@@ -41,6 +43,9 @@ check: $(VENV)/check.stamp
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+fuzz: $(VENV)/test.stamp
+	$(BIN)/python fuzz/run.py $(FUZZ_ARGS)
 
 bench: $(VENV)/oracle.stamp
 	$(BIN)/holonom bench $(BENCH_ARGS)

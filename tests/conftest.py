@@ -107,5 +107,5 @@ def _peer(name: str) -> ModuleType:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # warnings of the peer's own imports are not our errors
         return pytest.importorskip(
-            name, reason=f"peer {name} is not installed; pip install 'holonom[oracle]'", exc_type=ImportError
+            name, reason=f"peer {name} is not installed; pip install -e '.[oracle]'", exc_type=ImportError
         )

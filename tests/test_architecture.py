@@ -31,7 +31,7 @@ def python(code: str) -> str:
 
 
 def test_layers_hold() -> None:
-    pytest.importorskip("importlinter", reason="import-linter is not installed; pip install 'holonom[check]'")
+    pytest.importorskip("importlinter", reason="import-linter is not installed; pip install -e '.[check]'")
     command = "import sys; from importlinter.cli import lint_imports; sys.exit(lint_imports())"
     done = subprocess.run([sys.executable, "-c", command], cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout

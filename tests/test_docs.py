@@ -96,3 +96,12 @@ def test_a_command_that_fails_is_found(tmp_path: Path, monkeypatch: pytest.Monke
     assert (tmp_path / "sub" / "cell.toml").exists()
     with pytest.raises(AssertionError, match=r"page.md:6: holonom check sub/cell.toml"):
         run_page(page.replace("methods profiles", "check sub/cell.toml"), "page.md")
+
+
+def test_the_sizes_of_files_are_those_that_are_read(root: Path) -> None:
+    """`docs/files.md` has a row for each kind."""
+    from holonom.files import LIMITS, MIB
+
+    text = (root / "docs" / "files.md").read_text("utf-8")
+    for name, kind in LIMITS.items():
+        assert f"| `{name}` | {kind.most // MIB} MiB |" in text

@@ -29,7 +29,7 @@ def extensions(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def load(name: str) -> ModuleType:
-    pytest.importorskip("sphinx", reason="sphinx is not installed; pip install 'holonom[docs]'")
+    pytest.importorskip("sphinx", reason="sphinx is not installed; pip install -e '.[docs]'")
     return importlib.import_module(name)
 
 

@@ -36,6 +36,7 @@ MEANS = {
     "signals": "what crosses a border",
     "errors": "what goes wrong",
     "arrays": "arrays that came from outside",
+    "files": "files that are read, within bounds",
 }
 
 

@@ -14,6 +14,7 @@ HolonomError
 │   ├── CalibrationError      measurements that do not determine what is calibrated
 │   ├── LogError              a log: file, line, column
 │   ├── ImageError            a photograph that is missing or not an image
+│   ├── MissingExtra          a library that is not installed, and which extra of the package brings it
 │   └── OutputError           a folder or file that cannot be written
 └── RunError                  something that failed after the start (exit status 1)
     ├── MotionError           a motion that cannot be made: out of reach, limits, singular
@@ -42,6 +43,7 @@ __all__ = [
     "InputError",
     "LevelFault",
     "LogError",
+    "MissingExtra",
     "MissingInertia",
     "ModelError",
     "ModelWarning",
@@ -128,6 +130,16 @@ class LogError(InputError):
 
 class ImageError(InputError):
     """A photograph that is missing or not an image."""
+
+
+class MissingExtra(InputError):
+    """A library that is not installed; an extra of the package brings it. Holonom itself is on no index."""
+
+    def __init__(self, what: str, library: str, extra: str) -> None:
+        super().__init__(
+            f"{what} needs {library}, which is not installed; in the clone of Holonom: pip install -e '.[{extra}]', or "
+            f"install its wheel with [{extra}] (docs/start/install.md)"
+        )
 
 
 class OutputError(InputError):

@@ -29,6 +29,7 @@ __all__ = [
     "DriveTruth",
     "EncoderCounts",
     "Event",
+    "FixedFrames",
     "FramePoses",
     "FrameTree",
     "Inertial",
@@ -36,8 +37,12 @@ __all__ = [
     "JointState",
     "JointTruth",
     "Kind",
+    "Marker",
+    "Markers",
+    "Photograph",
     "Reading",
     "Record",
+    "RobotDescription",
     "Signal",
     "Sink",
     "Topic",
@@ -164,14 +169,49 @@ class FramePoses(Record):
 
 @dataclass(frozen=True, slots=True)
 class FrameTree(Record):
-    """Frames as the controller believes them, each in its parent: `poses` (k, 4, 4), T_px for each parent and name.
-
-    Of a mobile base (REP 105): map, odom, base_link, and what is fixed or moves on it.
-    """
+    """Frames as the controller believes them, each in its parent: `poses` (k, 4, 4), T_px for each parent and name."""
 
     parents: tuple[str, ...]
     names: tuple[str, ...]
     poses: Array
+
+
+@dataclass(frozen=True, slots=True)
+class FixedFrames(FrameTree):
+    """Frames that never move in their parents."""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotDescription(Record):
+    """A robot as URDF; its links are called as frames are, its joints as those of the joint states."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Photograph(Record):
+    """What a camera took: an image file, and its format ("png")."""
+
+    data: bytes
+    format: str
+
+
+@dataclass(frozen=True, slots=True)
+class Marker:
+    """A thing to look at, that moves with a frame: a "cylinder" or "cube" of a size (m), its middle at T_fm (4, 4)."""
+
+    frame: str
+    shape: str
+    pose: Array
+    size: tuple[float, float, float]
+    colour: tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Markers(Record):
+    """Things to look at, named by their frames."""
+
+    markers: tuple[Marker, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,21 +232,23 @@ class Signal(Record):
 
 @dataclass(frozen=True, slots=True)
 class Event(Record):
-    """Something worth a line in the log. `level`: "debug", "info", "warning" or "error"."""
+    """A line in the log. `level`: "debug", "info", "warning" or "error"; `line` of the program in the file `file`."""
 
     level: str
     source: str
     text: str
     line: int = 0
+    file: str = ""
 
 
 class Kind(StrEnum):
-    """Where a signal comes from. Words of the log are none of the four: `LOG`."""
+    """Where a signal comes from; `STATED`: from the cell. Words of the log are none of these: `LOG`."""
 
     MEASURED = "measured"
     COMMANDED = "commanded"
     ESTIMATED = "estimated"
     TRUTH = "truth"
+    STATED = "stated"
     LOG = "log"
 
 
@@ -227,6 +269,8 @@ class Topic:
         What it is: units of the fields in their order, joined by commas; frame that numbers are given in, or "".
     shared
         One topic for all robots; frames are then called `<robot>/<frame>`, and sources of events `<robot>.<source>`.
+    kept
+        Whether it is said once, for whoever listens later, too.
     """
 
     name: str
@@ -238,6 +282,7 @@ class Topic:
     frame: str
     meaning: str
     shared: bool = False
+    kept: bool = False
 
 
 _STATE = ("position", "velocity", "effort")
@@ -313,6 +358,22 @@ TOPICS: tuple[Topic, ...] = (
         "every frame as it is", shared=True,
     ),
     Topic(
+        "/tf_static", FixedFrames, ("parents", "names", "poses"), _FRAMES, Kind.STATED, "m", "each frame's parent",
+        "frames that do not move in their parents: where arms, surfaces and trays stand", shared=True, kept=True,
+    ),
+    Topic(
+        "/robot_description", RobotDescription, ("text",), "std_msgs/String", Kind.STATED, "", "",
+        "an arm as URDF; its links are the frames, its joints those of `/joint_states`", kept=True,
+    ),
+    Topic(
+        "/measured/photograph", Photograph, ("data", "format"), "sensor_msgs/CompressedImage", _MEASURED, "", "world",
+        "what the camera took", shared=True, kept=True,
+    ),
+    Topic(
+        "/truth/parts", Markers, ("markers",), "visualization_msgs/MarkerArray", _TRUTH, "m", "each part's frame",
+        "parts and obstacles as they are; they move with their frames", shared=True, kept=True,
+    ),
+    Topic(
         "/truth/tool_pose", FramePoses, ("poses",), _POSE, _TRUTH, "m", "world", "the tool's frame as it is",
     ),
     Topic(
@@ -324,8 +385,8 @@ TOPICS: tuple[Topic, ...] = (
         "a digital signal: its state at the start, and each time it changes",
     ),
     Topic(
-        "/rosout", Event, ("level", "source", "text", "line"), "rcl_interfaces/Log", Kind.LOG, "", "",
-        "events, with the program line", shared=True,
+        "/rosout", Event, ("level", "source", "text", "line", "file"), "rcl_interfaces/Log", Kind.LOG, "", "",
+        "events, with program file and line", shared=True,
     ),
 )  # fmt: skip
 """Every signal there is."""

@@ -7,14 +7,14 @@ from typing import Any
 
 import pytest
 
-from holonom.app.cell.build import camera
+from holonom import vision
 
 
 @pytest.fixture(autouse=True, scope="session")
 def each_photograph_is_looked_at_once() -> Iterator[None]:
     """A photograph that many cells show is searched for coins once in this process, not once for each cell."""
     found: dict[Any, Any] = {}
-    search = camera.find_coins
+    search = vision.find_coins
 
     def once(image: Any, *more: Any) -> Any:
         key = image.tobytes(), image.shape, more
@@ -23,5 +23,5 @@ def each_photograph_is_looked_at_once() -> Iterator[None]:
         return found[key]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(camera, "find_coins", once)
+        patch.setattr(vision, "find_coins", once)
         yield

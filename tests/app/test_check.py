@@ -223,7 +223,7 @@ def test_a_file_of_another_type_is_refused_by_name(tmp_path, capsys, name, what)
     [
         ("cell.toml", b"<robot name='x'/>", "not TOML"),
         ("cell.toml", b"\x89PNG\r\n\x1a\n\xff", "not UTF-8"),
-        ("program.arps", b"\x89PNG\r\n\x1a\n\xff", "not a text in UTF-8"),
+        ("program.arps", b"\x89PNG\r\n\x1a\n\xff", "not UTF-8 text"),
         ("program.arps", b"<robot name='x'/>", "program.arps:1"),
     ],
 )
@@ -231,3 +231,26 @@ def test_something_else_under_a_right_ending_is_refused_too(tmp_path, capsys, na
     (tmp_path / name).write_bytes(text)
     assert main(["check", str(tmp_path / name)]) == 2
     assert what in capsys.readouterr().err
+
+
+def test_a_program_is_told_which_cell_to_run(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    program = EXAMPLE / "sort_coins.arps"
+    assert main(["run", str(program), "-o", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err
+    assert f"is a program; run the cell that names it: holonom run {EXAMPLE / 'cell.toml'}" in said
+    assert not (tmp_path / "out").exists()
+    assert main(["check", str(program)]) == 0
+    assert f"note: its motions are checked with the cell that names it: holonom check {EXAMPLE / 'cell.toml'}" in (
+        capsys.readouterr().out
+    )
+    alone = tmp_path / "alone.arps"
+    alone.write_text(program.read_text("utf-8"), "utf-8")
+    assert main(["run", str(alone)]) == 2
+    assert "a cell says which robot runs it; holonom new arm FOLDER writes one" in capsys.readouterr().err
+    for name, todo in (
+        ("r.urdf", "new arm FOLDER --model"),
+        ("r.mcap", "holonom report"),
+        ("p.loc", "a cell names"),
+    ):
+        assert main(["run", str(tmp_path / name)]) == 2
+        assert todo in capsys.readouterr().err

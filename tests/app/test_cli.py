@@ -28,7 +28,9 @@ def give_run(monkeypatch: pytest.MonkeyPatch, outcome: Answer | BaseException) -
     """Put a command `run` with a given outcome in place of the real one; returns its calls as they come."""
     calls: list[tuple[Any, ...]] = []
 
-    def run_cell(cell: Path, output: Path, *, seed: int | None, quiet: bool, say: Callable[[str], None]) -> Answer:
+    def run_cell(
+        cell: Path, output: Path, *, seed: int | None, quiet: bool, say: Callable[[str], None], allow_outside: bool
+    ) -> Answer:
         calls.append((cell, output, seed, quiet))
         if isinstance(outcome, BaseException):
             raise outcome
@@ -236,14 +238,32 @@ def test_a_limit_that_is_no_size_is_bad_input(
 def test_doctor_says_what_is_missing(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     from holonom.app.about import doctor
 
-    monkeypatch.setattr(doctor, "EXTRAS", {"vision": {"json": "json", "no_such_module": "no-such-package"}})
+    monkeypatch.setattr(
+        doctor, "EXTRAS", {"vision": doctor.Extra("cameras", {"json": "json", "no_such_module": "no-such-package"})}
+    )
     monkeypatch.setattr(doctor, "NEEDED", ("no-such-need",))
     monkeypatch.setenv("PATH", "")
     assert main(["doctor"]) == 0
     text = capsys.readouterr().out
-    assert "[vision]        lacks no-such-package: pip install 'holonom[vision]'" in text
+    assert "[vision]        lacks no-such-package: in the clone, pip install -e '.[vision]'; for cameras" in text
     assert "no-such-need    missing" in text
     assert "browser         none" in text
+
+
+def test_doctor_lists_every_extra(root: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """All that pyproject.toml has, with all that each brings, but the one that is all of them."""
+    import tomllib
+
+    from holonom.app.about.doctor import EXTRAS
+
+    stated = tomllib.loads((root / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
+    assert set(EXTRAS) == set(stated) - {"all"}
+    for name, extra in EXTRAS.items():
+        assert set(extra.modules.values()) == {re.split(r"[>=;\s]", need)[0] for need in stated[name]}
+    assert main(["doctor"]) == 0
+    text = capsys.readouterr().out
+    for name, extra in EXTRAS.items():
+        assert re.search(rf"^\[{name}\] .*; for {extra.purpose}$", text, re.MULTILINE)
 
 
 def test_doctor_prints_the_schema(capsys: pytest.CaptureFixture[str]) -> None:

@@ -18,7 +18,7 @@ from holonom.app.cell import load_cell
 from holonom.app.cell.build.camera import calibrate
 from holonom.app.cell.model.places import placement_pose
 from holonom.app.console.cli import main
-from holonom.app.recording import Recording, read_recording
+from holonom.app.recording import EPOCH, Recording, read_recording
 from holonom.model import preset
 from holonom.spatial import inverse
 from holonom.vision import to_pixel
@@ -132,13 +132,13 @@ def test_the_recording_is_one_of_ros(folder: Path) -> None:
         reader, factory = make_reader(file), DecoderFactory()
         summary = reader.get_summary()
         counts = {summary.channels[k].topic: n for k, n in summary.statistics.channel_message_counts.items()}
-        seconds = summary.statistics.message_end_time / 1e9
+        seconds = (summary.statistics.message_end_time - EPOCH) / 1e9
         for topic in ("/joint_states", "/commanded/joint_states", "/truth/tf", "/truth/tool_pose"):
             assert counts[topic] >= 100 * seconds, topic
         assert counts["/rosout"] > 24
         window: dict[str, list[Any]] = {}
         for schema, channel, message in reader.iter_messages():
-            if 20e9 <= message.log_time < 21e9:
+            if 20e9 <= message.log_time - EPOCH < 21e9:
                 decode = factory.decoder_for(channel.message_encoding, schema)
                 window.setdefault(channel.topic, []).append(decode(message.data))
     assert set(window) >= {"/joint_states", "/truth/tf", "/truth/tool_pose", "/rosout"}

@@ -294,7 +294,7 @@ DESCRIPTIONS = [
         r"omni4_any, omni5_any, omni6_any, tricycle",
     ),
     ('runs = ["run.csv"]', "runs = []", r"log.toml:2: runs: 0 came; at least 1 are needed: files of the runs"),
-    ("run.csv", "other.csv", r"other.csv: there is no such file"),
+    ("run.csv", "other.csv", r"other.csv: cannot be read: No such file"),
     (
         "wheelbase = 0.2\n",
         "",

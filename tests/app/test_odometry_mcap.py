@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 from pathlib import Path
 
 import numpy as np
@@ -56,10 +57,30 @@ def test_mcap_faults_and_names(tmp_path: Path) -> None:
     assert len(read_log([toml]).runs[0].truth) == 0
     toml.write_text(text)
     whole = (tmp_path / "001-s.mcap").read_bytes()
-    for broken in (b"nothing of the kind", b"", whole[:5], whole[:30], whole[: len(whole) // 2]):
+    for broken in (b"nothing of the kind", b"", whole[:5]):
         (tmp_path / "001-s.mcap").write_bytes(broken)
-        with pytest.raises(LogError, match="no MCAP file that can be read"):
+        with pytest.raises(LogError, match="is no MCAP recording"):
             read_log([toml])
+    (tmp_path / "001-s.mcap").write_bytes(whole[:30])
+    with pytest.raises(LogError, match="no sensor_msgs/JointState messages"):
+        read_log([toml])
+
+
+def test_a_cut_mcap_log_gives_what_is_there(tmp_path: Path) -> None:
+    """Every sample before the cut, and a note; a chunk of a file that was copied in part has no checksum."""
+    one = differential()
+    many = Run(
+        "s", *(np.concatenate([part] * 40) for part in (one.time, one.turns)), np.empty((0, 3)), np.empty((8000, 0))
+    )
+    many = Run(many.name, 0.1 * np.arange(8000.0), many.turns, many.truth, many.steering)
+    toml = write_log(OdometryLog(tmp_path, "differential", DIFFERENTIAL, None, (many,)), tmp_path, runs="mcap")
+    path = tmp_path / "001-s.mcap"
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    log = read_log([toml])
+    count = len(log.runs[0].time)
+    assert 1000 < count < 8000
+    assert np.allclose(log.runs[0].turns, many.turns[:count])
+    assert any(re.search(r"is damaged or cut off, missing is from [\d.]+ s on: it ends", note) for note in log.notes)
 
 
 def test_damaged_mcap_files_end_in_one_line(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from scipy.spatial.transform import Rotation
 
-from holonom.app.recording import Recorder, read_recording
+from holonom.app.recording import EPOCH, Recorder, read_recording
 from holonom.app.recording.format.cdr import CdrReader, CdrWriter
 from holonom.app.recording.format.schemas import schema_text
 from holonom.errors import InputError, OutputError, ShapeError
@@ -73,7 +73,7 @@ def test_peer_decodes_joint_states_and_references(run):
     for topic, kind in (("/joint_states", JointState), ("/commanded/joint_states", JointCommand)):
         for record, (log_time, message) in zip(of(given, kind), topics[topic], strict=True):
             assert tuple(message.name) == JOINTS
-            assert nanoseconds(message.header.stamp) == log_time == round(record.time * 1e9)
+            assert nanoseconds(message.header.stamp) == log_time == EPOCH + round(record.time * 1e9)
             assert np.array_equal(message.position, record.position)
             assert np.array_equal(message.velocity, record.velocity)
             if isinstance(record, JointState):

@@ -38,7 +38,7 @@ BAD_INPUT = {
     "no photograph": ("cell.toml", "coins.png", "coin.png", r"cell.toml:\d+: camera.photograph: no file 'coin.png'"),
     "no image": ("cell.toml", "coins.png", "coins.csv", r"cell.toml:\d+: camera.photograph: .*coins.csv"),
     "home with NaN": ("cell.toml", '"-45deg"', '"nandeg"', r"cell.toml:\d+: arm.home\[4\]: 'nandeg' came"),
-    "layout with NaN": ("coins.csv", r"\n\d[\d.]*", "\nnan", "coins.csv: u and v must be finite"),
+    "layout with NaN": ("coins.csv", r"\n\d[\d.]*", "\nnan", "coins.csv: part \\d+: u and v must be finite"),
     "unknown entry": ("cell.toml", r"\[program\]", '[program]\nentry = "sort"', "program.entry: .*no program 'sort'"),
     "syntax error": ("sort_coins.arps", r"\(1\) DO", "(1)", r"sort_coins.arps:\d+:\d+: .*expected"),
     "unknown name": ("sort_coins.arps", "APPRO coin", "APPRO coyn", r"sort_coins.arps:\d+:\d+: .*'coyn'.*never"),

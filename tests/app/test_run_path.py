@@ -22,7 +22,7 @@ from mcap.reader import NonSeekingReader
 
 from holonom import load_arm
 from holonom.app.console.cli import main
-from holonom.app.recording import read_recording
+from holonom.app.recording import EPOCH, read_recording
 from holonom.model import PRESETS
 
 BASE = """
@@ -104,7 +104,7 @@ def test_what_a_killed_run_leaves_is_read_and_reported(tmp_path: Path, capsys: p
     last = 0
     with path.open("rb") as file, suppress(EndOfFile, struct.error, IndexError):
         for _, _, message in NonSeekingReader(file).iter_messages(log_time_order=False):
-            last = max(last, message.log_time)
+            last = max(last, message.log_time - EPOCH)
     assert last / 1e9 == pytest.approx(recording.end(), abs=1e-6)
     assert main(["report", str(path), "-o", str(tmp_path / "told")]) == 0
     assert "cut off" in capsys.readouterr().out

@@ -42,6 +42,7 @@ from holonom.signals import (
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "signals.md"
 CONVENTIONAL = {"/joint_states": "measured", "/imu": "measured", "/odom": "estimated", "/tf": "estimated"}
+CONVENTIONAL |= {"/tf_static": "stated", "/robot_description": "stated"}
 HUGE = 2**53 + 1  # no double holds it
 
 

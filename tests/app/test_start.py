@@ -155,7 +155,7 @@ def test_a_file_of_another_place_has_its_whole_path(tmp_path: Path) -> None:
 
 
 def test_a_xacro_file_that_finds_packages_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    pytest.importorskip("xacro", reason="xacro is not installed; pip install 'holonom[xacro]'")
+    pytest.importorskip("xacro", reason="xacro is not installed; pip install -e '.[xacro]'")
     head = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
     text = f'{head}<xacro:include filename="$(find p)/a.xacro"/></robot>'
     (tmp_path / "own.xacro").write_text(text)

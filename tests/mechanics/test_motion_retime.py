@@ -227,7 +227,7 @@ def peers_time(path, points, limits) -> float:
     """TOPP-RA's, on the same spline."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # the peer's own
-        ta = pytest.importorskip("toppra", reason="peer toppra is not installed; pip install 'holonom[oracle]'")
+        ta = pytest.importorskip("toppra", reason="peer toppra is not installed; pip install -e '.[oracle]'")
         from toppra import algorithm, constraint
     theirs = ta.SplineInterpolator(path.x, points, bc_type="natural")
     bounds = [np.stack([-x, x], axis=-1) for x in (limits.speed, limits.acceleration)]

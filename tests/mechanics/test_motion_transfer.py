@@ -13,7 +13,7 @@ from motion_arms import limits_of
 from holonom.errors import InputError, MotionError, OutOfLimits, ShapeError
 from holonom.mechanics.motion import plan_joint, plan_transfer
 
-pytest.importorskip("ruckig", reason="Ruckig is not installed; pip install 'holonom[motion]'")
+pytest.importorskip("ruckig", reason="Ruckig is not installed; pip install -e '.[motion]'")
 LIMITS = limits_of(3, reach=50.0, speed=2.0, acceleration=8.0)
 JERK = np.array([60.0, 80.0, 100.0])
 three = arrays(np.float64, 3, elements=st.floats(-1.0, 1.0))

@@ -6,7 +6,7 @@ from bases import presets
 
 from holonom.errors import OutOfLimits, OutputError, ShapeError
 
-pytest.importorskip("matplotlib", reason="Matplotlib is not installed; pip install 'holonom[plots]'")
+pytest.importorskip("matplotlib", reason="Matplotlib is not installed; pip install -e '.[plots]'")
 
 from holonom.plots.base import draw_base
 

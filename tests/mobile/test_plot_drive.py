@@ -9,7 +9,7 @@ from holonom.mobile import arrangements
 from holonom.mobile.drive.envelopes import Envelope, Limit, effective_motors
 from holonom.mobile.drive.slip import SlipSettings, SlipStatus, detect_slip
 
-pytest.importorskip("matplotlib", reason="Matplotlib is not installed; pip install 'holonom[plots]'")
+pytest.importorskip("matplotlib", reason="Matplotlib is not installed; pip install -e '.[plots]'")
 from holonom.plots.drive import draw_effective_motors, draw_envelopes, draw_slip
 
 

@@ -18,8 +18,8 @@ from holonom.plots import arm_page, draw_arm, draw_ellipsoids, draw_manipulabili
 from holonom.plots.ellipsoids import _surface
 from holonom.plots.skeleton import sticks
 
-pytest.importorskip("matplotlib", reason="Matplotlib is not installed; pip install 'holonom[plots]'")
-pytest.importorskip("plotly", reason="Plotly is not installed; pip install 'holonom[plots]'")
+pytest.importorskip("matplotlib", reason="Matplotlib is not installed; pip install -e '.[plots]'")
+pytest.importorskip("plotly", reason="Plotly is not installed; pip install -e '.[plots]'")
 Q = np.array([0.4, 0.9, -2.8, 0.3, 0.7, 0.1])
 
 
@@ -165,8 +165,17 @@ def test_bad_input(puma: Arm, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     with pytest.raises(ShapeError, match="2 names for 6 joints"):
         draw_profiles(plan_joint(Q, Q, puma.limits), names=["a", "b"])
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
-    with pytest.raises(InputError, match=r"figures need Matplotlib; .*holonom\[plots\]"):
+    with pytest.raises(InputError, match=r"a figure needs Matplotlib, .*pip install -e '.\[plots\]'"):
         draw_arm(puma, Q)
     monkeypatch.setitem(sys.modules, "plotly.graph_objects", None)
-    with pytest.raises(InputError, match=r"pages need Plotly"):
+    with pytest.raises(InputError, match=r"a page needs Plotly"):
         arm_page(puma, Q)
+
+
+def test_a_name_with_dollars_is_no_formula(tmp_path: Path) -> None:
+    """Matplotlib would refuse $\\frac$: it is unfinished."""
+    arm = load_arm("planar2r")
+    named = Arm(dataclasses.replace(arm.model, name="price $\\frac$ 5"))
+    figure = draw_arm(named, [0.1, 0.2], save=tmp_path / "arm.png")
+    assert (tmp_path / "arm.png").stat().st_size > 1000
+    assert "$" in figure.axes[0].get_title()

@@ -11,10 +11,11 @@ from holonom.errors import InputError
 __all__ = ["check_file", "check_program"]
 
 
-def check_file(path: Path, *, quiet: bool = True) -> Answer:
+def check_file(path: Path, *, quiet: bool = True, allow_outside: bool = False) -> Answer:
     """Check a program (.arps) by compiling it, or a cell by also planning every motion that it asks for.
 
-    A check that takes longer than a moment shows how far it is, unless it is to be `quiet`.
+    A check that takes longer than a moment shows how far it is, unless it is to be `quiet`. `allow_outside`: what a
+    cell names may lie outside of its folder; so may the location file beside a program.
 
     Raises
     ------
@@ -27,10 +28,10 @@ def check_file(path: Path, *, quiet: bool = True) -> Answer:
             f"{path}: {_what_came(path)}; holonom check takes a program (.arps) or a cell file (.toml). "
             "A robot description (.urdf, .xacro) is checked when it is loaded: holonom.load_arm(path)"
         )
-    return _CHECKS[kind](path, quiet)
+    return _CHECKS[kind](path, quiet, allow_outside)
 
 
-def check_program(path: Path) -> Answer:
+def check_program(path: Path, allow_outside: bool = False) -> Answer:
     """Check a program (.arps) by compiling it.
 
     Raises
@@ -38,13 +39,16 @@ def check_program(path: Path) -> Answer:
     ProgramError
         All that was found, a line each.
     """
+    from holonom.app.start.named import cells_that_name
     from holonom.lang import load_program
 
-    program = load_program(path)
+    program = load_program(path, allow_outside=allow_outside)
     names = ", ".join(routine.name for routine in program.routines)
     warnings = [warning.render() for warning in program.warnings]
+    cells = [str(cell) for cell in cells_that_name(path)]
     lines = [f"{path}: no errors; programs: {names}", *(f"warning: {warning}" for warning in warnings)]
-    return Answer("\n".join(lines), {"file": program.file, "kind": "program", "warnings": warnings})
+    lines += [f"note: its motions are checked with the cell that names it: holonom check {cell}" for cell in cells[:1]]
+    return Answer("\n".join(lines), {"file": program.file, "kind": "program", "warnings": warnings, "cells": cells})
 
 
 def _what_came(path: Path) -> str:
@@ -53,15 +57,15 @@ def _what_came(path: Path) -> str:
     return f"a file of type {path.suffix!r}" if path.suffix else "a file without an ending"
 
 
-def _program(path: Path, quiet: bool) -> Answer:
+def _program(path: Path, quiet: bool, allow_outside: bool) -> Answer:
     del quiet  # it takes no time
-    return check_program(path)
+    return check_program(path, allow_outside)
 
 
-def _cell(path: Path, quiet: bool) -> Answer:
+def _cell(path: Path, quiet: bool, allow_outside: bool) -> Answer:
     from holonom.app.cell.check import check_cell
 
-    return check_cell(path, quiet=quiet)
+    return check_cell(path, quiet=quiet, allow_outside=allow_outside)
 
 
-_CHECKS: Mapping[str, Callable[[Path, bool], Answer]] = {".arps": _program, ".toml": _cell}
+_CHECKS: Mapping[str, Callable[[Path, bool, bool], Answer]] = {".arps": _program, ".toml": _cell}

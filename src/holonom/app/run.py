@@ -25,8 +25,9 @@ from holonom.app.report.findings.summary_lines import summary_lines
 from holonom.app.report.reporting import report_html
 from holonom.app.report.source import source_of
 from holonom.app.rig import Ended, Ending, Rig, simulated
+from holonom.app.start.named import refuse_other
 from holonom.control import CONTROLLERS
-from holonom.errors import ProgramError
+from holonom.errors import InputError, OutputFault, ProgramError
 
 __all__ = ["run_cell"]
 
@@ -59,6 +60,7 @@ def run_cell(
     seed: int | None = None,
     quiet: bool = True,
     say: Callable[[str], None] = lambda text: None,
+    allow_outside: bool = False,
 ) -> Answer:
     """Run a cell and write `recording.mcap`, `summary.json` and `report.html` into a folder.
 
@@ -72,6 +74,7 @@ def run_cell(
     seed : instead of the cell's own.
     quiet : no progress bar.
     say : takes what programs type.
+    allow_outside : see `load_cell`.
 
     Raises
     ------
@@ -82,7 +85,8 @@ def run_cell(
     Interrupted
         Ctrl-C or SIGTERM. In motion the same is kept; before, nothing; in the making of the report, recordings.
     """
-    cell = load_cell(path)
+    refuse_other(path)
+    cell = load_cell(path, allow_outside=allow_outside)
     refuse_unsimulated(cell, path)
     job = build_job(cell, path)
     if job.unreachable:
@@ -186,6 +190,15 @@ def expected_time(job: Job) -> float | None:
     return max([*(arm.hold for arm in job.arms), *(base.task.end for base in job.bases)], default=None)
 
 
+def _unwritten(folder: RunFolder, name: str, content: str) -> list[str]:
+    """Write a file; what went wrong, in a line: how the run ended is to be told all the same."""
+    try:
+        folder.write(name, content)
+    except OutputFault as fault:
+        return [str(fault)]
+    return []
+
+
 def _tell(runs: list[Done], folder: RunFolder) -> Answer:
     """Make summary and report from the recordings; say, or raise, how it went.
 
@@ -196,16 +209,21 @@ def _tell(runs: list[Done], folder: RunFolder) -> Answer:
     Interrupted
         The operator stopped it.
     """
-    source = source_of(folder.path / RECORDING)
-    folder.write(REPORT, report_html(source))
+    try:
+        source = source_of(folder.path / RECORDING)
+    except InputError as error:  # somebody removed it, or the disk failed
+        raise OutputFault(f"the run ended, and its recording cannot be read again: {error}") from error
     summary = summary_of(source)
-    folder.write(SUMMARY, json.dumps(summary, indent=2, allow_nan=False) + "\n")
+    told = json.dumps(summary, indent=2, allow_nan=False) + "\n"
+    unwritten = [*_unwritten(folder, REPORT, report_html(source)), *_unwritten(folder, SUMMARY, told)]
     last, lines = runs[-1].ended, summary_lines(source, summary)
     if last.ending is Ending.FAILED and last.fault is not None:
-        what = "\n".join([str(last.fault), *(f"  {line}" for line in lines[1:])])
+        what = "\n".join([str(last.fault), *(f"  {line}" for line in [*unwritten, *lines[1:]])])
         raise type(last.fault)(f"{what}\n  what was recorded until then is in {folder.path}") from last.fault
     if last.ending is Ending.STOPPED:
         raise Interrupted
+    if unwritten:
+        raise OutputFault("\n  ".join([*unwritten, *lines]))
     pace = round(runs[0].pace, 1)  # of the wall clock: not in the summary, which equal runs have in common
     lines = [f"{lines[0]}, {pace:g} x real time", *lines[1:], f"report: {folder.path / REPORT}"]
     return Answer("\n".join(lines), summary | {"real_time_factor": pace})

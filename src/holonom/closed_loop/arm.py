@@ -179,7 +179,7 @@ class SimulatedArm:
     def _poses(self, now: float, frames: Array) -> FramePoses:
         """World poses of the links, the tool and the fingers."""
         tool = frames[-1]
-        names = [f"link{k + 1}" for k in range(self.loop.arm.n)] + ["tool"]
+        names = [f"link{k + 1}" for k in range(len(frames) - 2)] + ["tool"]
         poses = [*frames[1:-1], tool]
         for name, side in (("finger_left", 0.5), ("finger_right", -0.5)) if self.fingers is not None else ():
             finger = tool.copy()

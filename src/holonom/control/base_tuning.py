@@ -7,8 +7,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from scipy.optimize import brentq
-
 from holonom.control.kernels import SpeedParams
 from holonom.control.tuning import LoopMargin, ServoAxis
 from holonom.errors import OutOfLimits
@@ -129,6 +127,8 @@ def _crossing(falling: Callable[[float], float], dt: float) -> float:
     OutOfLimits
         There is none.
     """
+    from scipy.optimize import brentq  # heavy: on first use
+
     low, high = 1e-3 / dt, math.pi / dt
     while not falling(low) > 0.0 and low > SLOWEST:
         low *= 0.1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -10,6 +11,16 @@ from typing import Any
 from lark import Token, Tree
 
 __all__ = ["Diagnostic", "Node", "Span", "nearest", "span_of"]
+
+
+_SHOWN = 160
+"""Characters of a source line that a message shows: those around its place."""
+_PICTURES = {9: " ", 127: "\u2421"} | {c: chr(0x2400 + c) for c in range(32) if c != 9}
+"""Control characters as their pictures (Unicode block 2400), one column each."""
+
+
+_LONG = re.compile(r"\S{80,}")
+"""A word that a message does not repeat in full."""
 
 
 class Node(Tree[Any]):
@@ -56,13 +67,25 @@ class Diagnostic:
         """Return the message of several lines that a person reads."""
         number = str(self.span.line)
         margin = " " * len(number)
-        line = self.source.expandtabs(1)
-        length = max(1, min(self.span.end, len(line) + 1) - self.span.column)
-        caret = " " * (self.span.column - 1) + "^" * length
-        message = (
-            f"{self.file}:{self.span.line}:{self.span.column}: {self.text}\n  {number} | {line}\n  {margin} | {caret}"
-        )
+        line, column = _window(self.source, self.span.column)
+        length = max(1, min(self.span.end - self.span.column + column, len(line) + 1) - column)
+        caret = " " * (column - 1) + "^" * length
+        place, text = f"{self.file}:{self.span.line}:{self.span.column}", _LONG.sub(_shortened, self.text)
+        message = f"{place}: {text}\n  {number} | {line}\n  {margin} | {caret}"
         return f"{message}\n  hint: {self.hint}" if self.hint else message
+
+
+def _shortened(word: re.Match[str]) -> str:
+    return f"{word[0][:20]}... ({len(word[0])} characters)"
+
+
+def _window(source: str, column: int) -> tuple[str, int]:
+    """What is shown of a source line, a sign for each control character, and the column in it."""
+    line = source.translate(_PICTURES)
+    if len(line) <= _SHOWN:
+        return line, column
+    start = max(0, min(column - 1 - _SHOWN // 2, len(line) - _SHOWN))
+    return line[start : start + _SHOWN], column - start
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

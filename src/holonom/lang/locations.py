@@ -12,6 +12,7 @@ import re
 from collections.abc import Sequence
 
 from holonom.errors import ProgramError
+from holonom.files import check_lines
 from holonom.lang import poses
 from holonom.lang.compiler.syntax import WORDS
 from holonom.lang.diagnostics import Diagnostic, Span
@@ -21,6 +22,7 @@ from holonom.lang.words.functions import FUNCTIONS
 __all__ = ["read_locations", "split_name"]
 
 _NAME = re.compile(r"#?[A-Za-z_][\w.]*(\[\s*\d{1,5}(\s*,\s*\d{1,5})*\s*\])?")
+_NUMBER = re.compile(r"\s*[+-]?((\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|inf)\s*", re.ASCII)
 _FORM = "write name = x, y, z, o, a, t in mm and degrees, or #name = j1, j2, ... in degrees (mm where a joint slides)"
 
 
@@ -35,8 +37,9 @@ def read_locations(text: str, file: str, turns: Sequence[bool] | None = None) ->
     ProgramError
         At a line that is no location, with file, line, column, caret and hint.
     """
+    check_lines(text, file)
     found: dict[str, Array] = {}
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in enumerate(text.split("\n"), start=1):
         content = line.partition(";")[0]
         if content.strip():
             name, value = _read_line(content, _Place(file, number, line), turns)
@@ -89,10 +92,7 @@ def _read_line(content: str, place: _Place, turns: Sequence[bool] | None) -> tup
 def _numbers(tail: str, column: int, place: _Place) -> list[float]:
     values = []
     for part in tail.split(","):
-        try:
-            value = float(part)
-        except ValueError:
-            value = math.nan
+        value = float(part) if _NUMBER.fullmatch(part) else math.nan
         if not abs(value) <= 1e6:
             lead, shown = len(part) - len(part.lstrip()), part.strip()
             what = f"{shown!r} is no number" if math.isnan(value) else f"{shown} is beyond 1e6 mm or degrees"

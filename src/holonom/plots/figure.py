@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from holonom.errors import InputError, OutputError
+from holonom.errors import MissingExtra, OutputError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,13 +21,13 @@ def new_figure(width: float, height: float) -> Figure:
 
     Raises
     ------
-    InputError
+    MissingExtra
         Matplotlib is not installed.
     """
     try:
         from matplotlib.figure import Figure
     except ImportError:
-        raise InputError("figures need Matplotlib; pip install 'holonom[plots]'") from None
+        raise MissingExtra("a figure", "Matplotlib", "plots") from None
     return Figure(figsize=(width, height), layout="constrained")
 
 
@@ -39,6 +39,11 @@ def saved(figure: Any, save: str | Path | None) -> None:
     OutputError
         The file cannot be written, or its kind is not known.
     """
+    from matplotlib.text import Text
+
+    for text in figure.findobj(Text):  # a dollar in somebody's name is no formula
+        if "$" in text.get_text() and "mathdefault" not in text.get_text():
+            text.set_parse_math(False)
     if save is None:
         return
     try:

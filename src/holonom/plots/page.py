@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from html import escape
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holonom.arrays import Array
-from holonom.errors import InputError, OutputError
+from holonom.errors import MissingExtra, OutputError
 from holonom.mechanics import Arm
 from holonom.mechanics.motion import Trajectory
 from holonom.plots.figure import COLORS
@@ -32,12 +33,12 @@ def arm_page(arm: Arm, q: ArrayLike | Trajectory, *, steps: int = 60, save: str 
 
     Raises
     ------
-    ShapeError, InputError, OutputError
+    ShapeError, MissingExtra, OutputError
     """
     try:
         import plotly.graph_objects as go
     except ImportError:
-        raise InputError("pages need Plotly; pip install 'holonom[plots]'") from None
+        raise MissingExtra("a page", "Plotly", "plots") from None
     rows = configurations(arm, q.q if isinstance(q, Trajectory) else q)
     kept = np.unique(np.linspace(0, len(rows) - 1, min(steps, len(rows))).astype(int))
     T = arm.frames(rows[kept])
@@ -48,7 +49,7 @@ def arm_page(arm: Arm, q: ArrayLike | Trajectory, *, steps: int = 60, save: str 
     times = rows.shape[0] > 1 and isinstance(q, Trajectory)
     labels = [f"{q.dt * k:.2f} s" if times and isinstance(q, Trajectory) else str(k) for k in kept]
     figure.update_layout(
-        title=arm.model.name,
+        title=escape(arm.model.name),  # Plotly takes some mark-up in titles, links too
         showlegend=False,
         scene=_scene(center, half),
         margin={"l": 0, "r": 0, "t": 40, "b": 20},

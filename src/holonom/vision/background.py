@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
+
+from holonom.vision.opencv import cv2
 
 __all__ = ["ground", "lit_region"]
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from holonom.arrays import Array
 from holonom.errors import ImageError
 from holonom.vision.background import Grey, Image, Mask, ground, lit_region
+from holonom.vision.opencv import cv2
 from holonom.vision.outline import Outlines, polygon_moments, trace_outlines
 
 __all__ = ["Disc", "find_coins"]

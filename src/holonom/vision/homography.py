@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import least_squares
 
 from holonom.arrays import Array
 from holonom.errors import CalibrationError, ShapeError
+from holonom.vision.opencv import cv2
 
 __all__ = ["TableCamera", "fit_homography", "to_pixel", "to_table"]
 

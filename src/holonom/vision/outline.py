@@ -9,12 +9,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from holonom.arrays import Array
 from holonom.vision.kernels import closed_path
+from holonom.vision.opencv import cv2
 
 __all__ = ["Outlines", "polygon_moments", "trace_outlines"]
 

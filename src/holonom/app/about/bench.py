@@ -21,6 +21,7 @@ import numpy as np
 
 from holonom.app.console.answer import Answer
 from holonom.app.console.output import prepare_output
+from holonom.app.console.printable import say
 from holonom.errors import InputError, UnknownName
 
 __all__ = ["Figure", "Setting", "run_benchmarks", "seconds"]
@@ -92,7 +93,7 @@ def run_benchmarks(
     figures: list[Figure] = []
     for name in names or files:
         if not quiet:
-            print(f"{name} ...", file=sys.stderr)
+            say(f"{name} ...", error=True)
         figures += _load(files[name]).measure(setting)
     data = {"figures": [asdict(f) | {"ratio": f.ratio} for f in figures], "small": small}
     if folder is not None:

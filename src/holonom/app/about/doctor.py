@@ -9,6 +9,7 @@ import os
 import platform
 import shutil
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from holonom import __version__
@@ -19,26 +20,60 @@ if TYPE_CHECKING:
 
 __all__ = ["empty_cache", "examine", "schema", "show_kernel"]
 
-NEEDED = ("numpy", "numba", "llvmlite", "scipy", "lark", "pydantic", "mcap", "rich")
+NEEDED = ("numpy", "numba", "llvmlite", "scipy", "lark", "pydantic", "mcap", "zstandard", "lz4", "rich")
 
-EXTRAS: Mapping[str, Mapping[str, str]] = {
-    "vision": {"cv2": "opencv-python-headless"},
-    "oracle": {"pinocchio": "pin", "eaik": "eaik", "roboticstoolbox": "roboticstoolbox-python"},
-    "plots": {"matplotlib": "matplotlib", "plotly": "plotly"},
-    "motion": {"ruckig": "ruckig"},
-    "symbolic": {"sympy": "sympy"},
-    "xacro": {"xacro": "xacro"},
-    "docs": {
-        "sphinx": "sphinx",
-        "myst_parser": "myst-parser",
-        "furo": "furo",
-        "latex2mathml": "latex2mathml",
-        "matplotlib": "matplotlib",
-    },
-    "check": {"ruff": "ruff", "mypy": "mypy", "importlinter": "import-linter"},
-    "test": {"pytest": "pytest", "hypothesis": "hypothesis", "selenium": "selenium", "hatchling": "hatchling"},
+
+@dataclass(frozen=True, slots=True)
+class Extra:
+    """What an extra is for, and the modules that it brings with the distributions that they come from."""
+
+    purpose: str
+    modules: Mapping[str, str]
+
+
+EXTRAS: Mapping[str, Extra] = {
+    "vision": Extra("cells with a camera", {"cv2": "opencv-python-headless"}),
+    "xacro": Extra("robots in xacro files", {"xacro": "xacro"}),
+    "motion": Extra("plan_transfer, motions with a limited jerk", {"ruckig": "ruckig"}),
+    "plots": Extra("figures and pages to turn", {"matplotlib": "matplotlib", "plotly": "plotly"}),
+    "symbolic": Extra("formulas to read", {"sympy": "sympy"}),
+    "docs": Extra(
+        "these pages as HTML",
+        {
+            "sphinx": "sphinx",
+            "myst_parser": "myst-parser",
+            "furo": "furo",
+            "latex2mathml": "latex2mathml",
+            "matplotlib": "matplotlib",
+        },
+    ),
+    "oracle": Extra(
+        "comparisons with peer libraries",
+        {"pinocchio": "pin", "eaik": "eaik", "roboticstoolbox": "roboticstoolbox-python", "toppra": "toppra"},
+    ),
+    "check": Extra(
+        "lint, types and layers",
+        {
+            "ruff": "ruff",
+            "mypy": "mypy",
+            "importlinter": "import-linter",
+            "matplotlib": "matplotlib",
+            "xacro": "xacro",
+        },
+    ),
+    "test": Extra(
+        "the tests",
+        {
+            "pytest": "pytest",
+            "xdist": "pytest-xdist",
+            "hypothesis": "hypothesis",
+            "mcap_ros2": "mcap-ros2-support",
+            "selenium": "selenium",
+            "hatchling": "hatchling",
+        },
+    ),
 }
-"""For each extra of the package the modules that it brings and the distributions that they come from."""
+"""The extras of the package, all but `all`, which is all of them."""
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 
@@ -54,7 +89,7 @@ def examine() -> Answer:
         "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
         "cache": _of_cache(cache_use()),
         "packages": {name: _version(name) for name in NEEDED},
-        "extras": {extra: _missing(modules) for extra, modules in EXTRAS.items()},
+        "extras": {name: _missing(extra.modules) for name, extra in EXTRAS.items()},
         "browser": next(filter(None, map(shutil.which, BROWSERS)), None),
         "browser_driver": shutil.which("chromedriver"),
     }
@@ -126,10 +161,10 @@ def _use_as_text(cache: Mapping[str, Any]) -> str:
 def _as_text(data: Mapping[str, Any]) -> str:
     rows = [("holonom", data["holonom"]), ("python", data["python"]), ("platform", data["platform"])]
     rows += [("cores", data["cores"]), ("kernel cache", _use_as_text(data["cache"]))]
-    rows += [(name, version or "missing: pip install holonom") for name, version in data["packages"].items()]
-    for extra, missing in data["extras"].items():
-        lacks = f"lacks {', '.join(missing)}: pip install 'holonom[{extra}]'"
-        rows.append((f"[{extra}]", lacks if missing else "complete"))
+    rows += [(name, version or "missing: in the clone, pip install -e .") for name, version in data["packages"].items()]
+    for name, missing in data["extras"].items():
+        lacks = f"lacks {', '.join(missing)}: in the clone, pip install -e '.[{name}]'"
+        rows.append((f"[{name}]", f"{lacks if missing else 'installed'}; for {EXTRAS[name].purpose}"))
     rows.append(("browser", data["browser"] or "none: the browser tests skip"))
     rows.append(("browser driver", data["browser_driver"] or "none: the browser tests skip"))
     return "\n".join(f"{name:<16}{value}" for name, value in rows)

@@ -16,7 +16,7 @@ from holonom.app.console.answer import Answer
 from holonom.app.console.output import prepare_output
 from holonom.app.odometry_log import OdometryLog, read_log, write_log
 from holonom.arrays import Array
-from holonom.errors import CalibrationError, UnknownName
+from holonom.errors import CalibrationError, MissingExtra, UnknownName
 from holonom.mobile.calibration import (
     DRIVES,
     SETS,
@@ -103,7 +103,7 @@ def calibrate_odometry(
     if output is not None:
         folder = prepare_output(output)
         if not _draw(log, found.matrix, rule, folder / PICTURE):
-            data["notes"].append("no picture of the paths, Matplotlib is not installed: pip install 'holonom[plots]'")
+            data["notes"].append(f"no picture of the paths: {MissingExtra('it', 'Matplotlib', 'plots')}")
         if mcap:
             others = dict(zip(TOPICS, _both_paths(log, found.matrix, rule).values(), strict=True))
             data["recordings"] = str(write_log(log, folder, runs="mcap", others=others))

@@ -29,7 +29,7 @@ class _Said:
     wrong: list[str] = field(default_factory=list)
 
 
-def check_cell(path: Path, *, quiet: bool = True) -> Answer:
+def check_cell(path: Path, *, quiet: bool = True, allow_outside: bool = False) -> Answer:
     """Check a cell by building all of it, planning every motion and looking at what its paths ask for.
 
     What takes longer than a moment shows how far it is, unless it is to be `quiet`.
@@ -45,7 +45,7 @@ def check_cell(path: Path, *, quiet: bool = True) -> Answer:
         All that was found, a line each with file and line: also locations out of reach, joint limits that a motion
         would leave, and programs that fail or do not end.
     """
-    job = build_job(load_cell(path), path)
+    job = build_job(load_cell(path, allow_outside=allow_outside), path)
     robots = [*(_arm(job, arm, quiet) for arm in job.arms), *(_base(job, base) for base in job.bases)]
     wrong = [*job.unreachable, *(line for robot in robots for line in robot.wrong)]
     if wrong:

@@ -11,16 +11,18 @@ from holonom.app.cell.model.short import Misplaced, Written, written_out
 from holonom.app.fields.toml_faults import line_of, parse_toml, worded_faults, written_key
 from holonom.app.fields.toml_lines import key_lines
 from holonom.errors import CellError
+from holonom.files import read_text
 
 __all__ = ["load_cell", "place_in"]
 
 
-def load_cell(path: str | Path) -> Cell:
+def load_cell(path: str | Path, *, allow_outside: bool = False) -> Cell:
     """Read and check a cell file.
 
     Parameters
     ----------
     path : the TOML file; the files that it names are relative to its folder.
+    allow_outside : programs, locations, photograph and layout may lie outside of that folder.
 
     Returns
     -------
@@ -35,7 +37,7 @@ def load_cell(path: str | Path) -> Cell:
     text = _read(path)
     written = _written(path, text)
     try:
-        return Cell.model_validate(written.data, context={"folder": path.parent})
+        return Cell.model_validate(written.data, context={"folder": path.parent, "outside": allow_outside})
     except ValidationError as error:
         faults = error.errors(include_url=False)
         raise CellError(worded_faults(path, text, Cell, faults, place=written.place, also=written.also)) from None
@@ -58,11 +60,4 @@ def _written(path: Path, text: str) -> Written:
 
 
 def _read(path: Path) -> str:
-    try:
-        raw = path.read_bytes()
-        return raw.decode("utf-8")
-    except UnicodeDecodeError as error:
-        line = raw[: error.start].count(b"\n") + 1
-        raise CellError(f"{path}:{line}: not UTF-8 text, so no TOML; save the file as UTF-8") from None
-    except OSError as error:
-        raise CellError(f"{path}: {error.strerror}; give the path of a cell file (TOML)") from None
+    return read_text(path, "cell", CellError)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from holonom.app.console.answer import Answer
-from holonom.app.console.options import argument, quiet
+from holonom.app.console.options import allow_outside, argument, quiet
 from holonom.registry import OWN, Method
 
 __all__ = ["COMMAND", "Options", "run"]
@@ -17,6 +17,7 @@ class Options:
     """What is checked."""
 
     file: Path = argument("cell file (.toml) or program (.arps)", metavar="FILE")
+    allow_outside: bool = allow_outside()
     quiet: bool = quiet()
 
 
@@ -24,7 +25,7 @@ def run(options: Options) -> Answer:
     """Check a file; raises as `check_file` does."""
     from holonom.app.check import check_file
 
-    return check_file(options.file, quiet=options.quiet)
+    return check_file(options.file, quiet=options.quiet, allow_outside=options.allow_outside)
 
 
 COMMAND = Method("check a cell or an ARPS program off-line, without running it", run, OWN, Options)

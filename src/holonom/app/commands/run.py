@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from holonom.app.console.answer import Answer
-from holonom.app.console.options import argument, output, quiet, seed
-from holonom.app.console.pipes import say_to
+from holonom.app.console.options import allow_outside, argument, output, quiet, seed
+from holonom.app.console.printable import say_to
 from holonom.registry import OWN, Method
 
 __all__ = ["COMMAND", "GOES", "Options", "run"]
@@ -24,6 +24,7 @@ class Options:
     output: Path | None = output(GOES)
     seed: int | None = seed(None, "seed instead of the cell's own")
     quiet: bool = quiet()
+    allow_outside: bool = allow_outside()
 
 
 def run(options: Options) -> Answer:
@@ -33,7 +34,7 @@ def run(options: Options) -> Answer:
     folder = options.output or Path("runs") / options.cell.resolve().parent.name
     stream = sys.stderr if options.quiet else sys.stdout  # with --json, which is quiet, stdout holds JSON only
     return run_cell(
-        options.cell, folder, seed=options.seed, quiet=options.quiet,
+        options.cell, folder, seed=options.seed, quiet=options.quiet, allow_outside=options.allow_outside,
         say=lambda text: say_to(stream, text),
     )  # fmt: skip
 

@@ -7,19 +7,24 @@ Any other exception is a defect and shows its traceback.
 
 from __future__ import annotations
 
+import errno
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from holonom.app.console.answer import Answer
 from holonom.app.console.interrupts import INTERRUPTED, Interrupted
 from holonom.app.console.pipes import BROKEN, drop_unread
+from holonom.app.console.printable import say
 from holonom.app.console.usage import find_command, show_help
-from holonom.errors import HolonomError, InputError, RunError
+from holonom.errors import HolonomError, InputError, RunError, UsageError
 
 __all__ = ["main"]
 
 BAD_INPUT, FAILED = 2, 1
+NO_PATH = (errno.ENAMETOOLONG, errno.ELOOP, errno.ENOTDIR)
+"""What the system says of a path that none can be, wherever it is first looked at."""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -58,20 +63,29 @@ def _status(words: Sequence[str]) -> int:
         return _fail(error, BAD_INPUT, as_json=as_json)
     except RunError as error:
         return _fail(error, FAILED, as_json=as_json)
+    except OSError as error:
+        if error.errno not in NO_PATH:
+            raise
+        return _fail(UsageError(f"{error.filename}: {error.strerror}; give another path"), BAD_INPUT, as_json=as_json)
     except KeyboardInterrupt as stop:
-        print(stop if isinstance(stop, Interrupted) else Interrupted(), file=sys.stderr)
+        say(str(stop if isinstance(stop, Interrupted) else Interrupted()), error=True)
         return INTERRUPTED
     if as_json:
-        print(json.dumps(answer.data, indent=2, allow_nan=False))
+        say(_json(answer.data))
     elif answer.text:
-        print(answer.text)
+        say(answer.text)
     return 0
+
+
+def _json(data: Mapping[str, Any]) -> str:
+    """JSON in ASCII; the one control character that JSON leaves as it is, is written as the others are."""
+    return json.dumps(data, indent=2, allow_nan=False).replace("\x7f", "\\u007f")
 
 
 def _fail(error: HolonomError, status: int, *, as_json: bool) -> int:
     if as_json:
         details = {"type": type(error).__name__, "message": str(error), "status": status}
-        print(json.dumps({"error": details}, indent=2))
+        say(_json({"error": details}))
     else:
-        print(f"holonom: error: {error}", file=sys.stderr)
+        say(f"holonom: error: {error}", error=True)
     return status

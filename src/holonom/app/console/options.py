@@ -18,7 +18,7 @@ from typing import Any, NoReturn, get_args, get_origin
 from holonom.errors import InputError, UnknownName, UsageError
 from holonom.registry import Field, check_value, parameter, parameters_of
 
-__all__ = ["argument", "option", "output", "parse_options", "quiet", "seed"]
+__all__ = ["allow_outside", "argument", "option", "output", "parse_options", "quiet", "seed"]
 
 _KEY = "holonom.option"
 _NEGATIVE = re.compile(r"-(\d|\.\d|inf\b|nan\b)")
@@ -73,6 +73,11 @@ def output(meaning: str) -> Any:
 def quiet() -> Any:
     """Return the field of `--quiet`, which `--json` switches on too."""
     return option(False, "no progress bar", short="-q")
+
+
+def allow_outside() -> Any:
+    """Return the field of `--allow-outside`."""
+    return option(False, "programs, locations, photograph and layout may lie outside of the cell's folder")
 
 
 def seed(default: int | None, meaning: str) -> Any:

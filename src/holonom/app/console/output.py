@@ -87,8 +87,8 @@ class RunFolder:
         except OSError as error:
             self._release()
             raise OutputError(
-                f"cannot begin in the output folder {self.path}: {error.filename}: {error.strerror}; give another one "
-                "with -o"
+                f"cannot begin in the output folder {self.path}: {error.filename or LOCK}: {error.strerror}; give "
+                "another one with -o"
             ) from None
         return self
 
@@ -143,7 +143,13 @@ def _locked(path: Path) -> IO[str]:
         if path.exists() and os.path.samestat(os.fstat(file.fileno()), path.stat()):
             break
         file.close()
-    file.truncate(0)
-    file.write(f"the run of process {os.getpid()}, begun {datetime.now().astimezone():%Y-%m-%d %H:%M:%S},")
-    file.flush()
+    try:
+        file.truncate(0)
+        file.write(f"the run of process {os.getpid()}, begun {datetime.now().astimezone():%Y-%m-%d %H:%M:%S},")
+        file.flush()
+    except OSError:  # the disk is full
+        path.unlink()
+        with suppress(OSError):
+            file.close()
+        raise
     return file

@@ -8,7 +8,7 @@ import sys
 from contextlib import suppress
 from typing import TextIO
 
-__all__ = ["BROKEN", "drop_unread", "say_to"]
+__all__ = ["BROKEN", "drop_unread"]
 
 BROKEN = 141
 """Exit status: that of a program which SIGPIPE ends, 128 + 13."""
@@ -18,14 +18,6 @@ def drop_unread() -> bool:
     """Send to nowhere what standard streams hold that nobody reads; return whether there were such."""
     dropped = [_dropped(stream) for stream in (sys.stdout, sys.stderr) if stream is not None]
     return any(dropped)
-
-
-def say_to(stream: TextIO, text: str) -> None:
-    """Print a line while somebody reads: what runs goes on without."""
-    try:
-        print(text, file=stream, flush=True)
-    except BrokenPipeError:
-        drop_unread()
 
 
 def _dropped(stream: TextIO) -> bool:

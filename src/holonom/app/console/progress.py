@@ -8,6 +8,8 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Any, Self
 
+from holonom.app.console.printable import one_line, printable
+
 __all__ = ["Progress"]
 
 OFTEN = 0.1  # s of wall time between two looks
@@ -35,12 +37,12 @@ class Progress:
             from rich.progress import Progress as Bar
 
             columns = (
-                SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[at]}"),
-                TextColumn("left"), TimeRemainingColumn(),
+                SpinnerColumn(), TextColumn("{task.description}", markup=False), BarColumn(),
+                TextColumn("{task.fields[at]}"), TextColumn("left"), TimeRemainingColumn(),
             )  # fmt: skip
             self._bar = Bar(*columns, console=Console(stderr=True), transient=True)
             self._bar.start()
-            self._task = self._bar.add_task(self._title, total=self._total, at="")
+            self._task = self._bar.add_task(one_line(self._title), total=self._total, at="")
         return self
 
     def __exit__(
@@ -61,4 +63,4 @@ class Progress:
         if self._bar is None:
             return say
         console = self._bar.console
-        return lambda text: console.print(text, markup=False, highlight=False)
+        return lambda text: console.print(printable(text), markup=False, highlight=False)

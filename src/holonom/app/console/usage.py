@@ -8,6 +8,7 @@ from typing import Any
 from holonom import __version__
 from holonom.app.commands import COMMANDS
 from holonom.app.console.options import parse_options
+from holonom.app.console.printable import say
 from holonom.errors import UnknownName, UsageError
 from holonom.registry import Method
 
@@ -28,12 +29,12 @@ what fails after the start; 130 for Ctrl-C."""
 def show_help(words: Sequence[str]) -> bool:
     """Print help or the version where that is what was asked; that of a command is left to it."""
     if words[:1] == ["--version"]:
-        print(f"holonom {__version__}")
+        say(f"holonom {__version__}")
     elif words and words[0] in _HELP:
         sound, problems = COMMANDS.survey()
-        print(_USAGE.format(commands=_listed(sound)), *problems, sep="\n")
+        say("\n".join([_USAGE.format(commands=_listed(sound)), *problems]))
     elif len(words) > 1 and words[1] in _HELP and (subjects := _subjects(words[0])):
-        print(f"usage: holonom {words[0]} [-h] SUBJECT ...\n\nsubjects:\n{_listed(subjects)}")
+        say(f"usage: holonom {words[0]} [-h] SUBJECT ...\n\nsubjects:\n{_listed(subjects)}")
     else:
         return False
     return True

@@ -20,7 +20,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, ValidationError
 from pydantic_core import InitErrorDetails, PydanticCustomError, core_schema
 
 from holonom.app.fields.units import DIMENSIONS, parse_quantity
-from holonom.errors import CellError, InputError
+from holonom.errors import CellError, InputError, OutOfLimits
 from holonom.registry import Field, Method, Table, check_value
 
 __all__ = ["Chosen", "OneMethod", "params_schema", "read_params"]
@@ -122,6 +122,10 @@ def params_schema(method: Method) -> dict[str, Any]:
     }
 
 
+LONGEST = 1000.0
+"""m, of any length of a method's parameters."""
+
+
 def _dimension(unit: str) -> str | None:
     """Return the dimension whose SI unit this is, None for plain numbers and what cells have no unit of."""
     written = unit.replace(" ", "")
@@ -133,7 +137,12 @@ def _in_si(value: Any, kind: Any, field: Field) -> Any:
     dimension = _dimension(field.parameter.unit)
     if isinstance(value, (list, tuple)):
         return tuple(_in_si(entry, kind, field) for entry in value)
-    return parse_quantity(value, dimension) if dimension is not None and _numbers(kind) else value
+    if dimension is None or not _numbers(kind):
+        return value
+    number = parse_quantity(value, dimension)
+    if dimension == "length" and abs(number) > LONGEST:
+        raise OutOfLimits(f"{value!r} came; lengths up to {LONGEST:g} m are allowed")
+    return number
 
 
 def _numbers(kind: Any) -> bool:

@@ -12,6 +12,7 @@ from pydantic_core import core_schema
 
 from holonom.app.fields.units import DIMENSIONS, parse_quantity
 from holonom.errors import CellError, OutOfLimits, UnknownName
+from holonom.files import is_file, is_inside
 
 __all__ = [
     "Angle",
@@ -22,6 +23,7 @@ __all__ = [
     "Fraction",
     "Length",
     "OneOf",
+    "OwnFile",
     "Pixel",
     "Quantity",
     "Section",
@@ -61,17 +63,27 @@ class Quantity:
 
 @dataclass(frozen=True, slots=True)
 class ExistingFile:
-    """Reads a path relative to the cell file (context "folder") of a file that is there."""
+    """Reads a path relative to the cell file (context "folder") of a file that is there.
+
+    One that is `own` lies in that folder or below it, links followed, unless the context says "outside".
+    """
+
+    own: bool = False
 
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
         return core_schema.with_info_after_validator_function(
             self._read, core_schema.str_schema(strict=True, min_length=1)
         )
 
-    @staticmethod
-    def _read(name: str, info: ValidationInfo) -> Path:
-        folder = Path((info.context or {}).get("folder", "."))
-        if not (folder / name).is_file():
+    def _read(self, name: str, info: ValidationInfo) -> Path:
+        context = info.context or {}
+        folder = Path(context.get("folder", "."))
+        if self.own and not context.get("outside") and not is_inside(folder / name, folder):
+            raise CellError(
+                f"{name!r} leads out of the cell's folder {folder}; copy the file into it, or run with --allow-outside "
+                "if you mean it"
+            )
+        if not is_file(folder / name):
             raise CellError(f"no file {name!r} in {folder}; put it there or give its path relative to the cell file")
         return folder / name
 
@@ -105,6 +117,7 @@ Fraction = Annotated[float, Quantity("number", 0.01, 1.0)]
 Pixel = Annotated[float, Quantity("number", -1e5, 1e5)]
 Colour = Annotated[str, Strict(), Field(pattern="^#[0-9a-fA-F]{6}$")]
 File = Annotated[Path, ExistingFile()]
+OwnFile = Annotated[Path, ExistingFile(own=True)]
 Vector2 = tuple[Length, Length]
 Vector3 = tuple[Length, Length, Length]
 

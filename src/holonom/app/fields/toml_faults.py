@@ -12,8 +12,10 @@ from typing import Any, get_args
 from pydantic import BaseModel
 from pydantic_core import ErrorDetails
 
-from holonom.app.fields.toml_lines import KeyPath, key_lines
+from holonom.app.console.printable import one_line
+from holonom.app.fields.toml_lines import KeyPath, check_bounds, key_lines
 from holonom.errors import InputError, UnknownName
+from holonom.files import NESTING
 
 __all__ = ["explained", "line_of", "parse_toml", "worded_faults", "written_key"]
 
@@ -42,8 +44,13 @@ def parse_toml(path: Path, text: str, problem: type[InputError], example: str = 
     InputError
         Of the type `problem`: file, line and column of what is no TOML.
     """
+    check_bounds(path, text, problem)
     try:
         return tomllib.loads(text)
+    except RecursionError:  # of what the scan of valid text did not count
+        raise problem(
+            f"{path}:1: nested too deeply; at most {NESTING} tables and lists in each other are read"
+        ) from None
     except tomllib.TOMLDecodeError as error:
         message = re.fullmatch(r"(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", str(error), re.DOTALL)
         what, line, column = message.groups() if message else (str(error), None, None)
@@ -94,7 +101,7 @@ def line_of(loc: KeyPath, lines: Mapping[KeyPath, int]) -> int:
 
 def written_key(loc: KeyPath) -> str:
     """Write a path as "camera.points[2].table"."""
-    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in loc).removeprefix(".")
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{one_line(part)}" for part in loc).removeprefix(".")
 
 
 def explained(
@@ -126,15 +133,20 @@ def explained(
 
 def _description(model: type[BaseModel], loc: KeyPath) -> str:
     """What the schema says about the innermost key of a path."""
-    keys = [number for number, part in enumerate(loc) if isinstance(part, str)]
-    field = _model_at(model, loc[: keys[-1]]).model_fields[str(loc[keys[-1]])]
-    return field.description or ""
+    description = ""
+    for part in (part for part in loc if isinstance(part, str)):
+        field = model.model_fields.get(part)
+        if field is None:  # a key of a table of any keys
+            break
+        description = field.description or ""
+        model = _model_in(field.annotation) or model
+    return description
 
 
 def _model_at(model: type[BaseModel], loc: KeyPath) -> type[BaseModel]:
     """The model of the table that a path leads to."""
     for part in loc:
-        if isinstance(part, str):
+        if isinstance(part, str) and part in model.model_fields:
             model = _model_in(model.model_fields[part].annotation) or model
     return model
 

@@ -11,7 +11,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["KeyPath", "key_lines", "place_of"]
+from holonom.errors import InputError
+from holonom.files import DIGITS, NESTING
+
+__all__ = ["KeyPath", "check_bounds", "key_lines"]
 
 KeyPath = tuple[str | int, ...]
 """Keys of tables and indices of arrays from the root down: ("camera", "points", 0, "pixel")."""
@@ -37,11 +40,24 @@ def key_lines(text: str) -> dict[KeyPath, int]:
     return _Scan(list(_tokens(text))).document()
 
 
-def place_of(path: Path, *keys: str | int) -> str:
-    """Return `file:line: key` of a key in a TOML file, for messages."""
-    line = key_lines(path.read_text(encoding="utf-8")).get(keys)
-    name = ".".join(str(key) for key in keys)
-    return f"{path}:{line}: {name}" if line is not None else f"{path}: {name}"
+def check_bounds(path: Path, text: str, problem: type[InputError]) -> None:
+    """Raise `problem` where a text nests deeper, or holds a number that is longer, than a TOML file is read.
+
+    The text need not be valid.
+    """
+    depth = dots = 0
+    for token in _tokens(text):
+        mark = token.text if token.kind == "mark" else ""
+        depth = max(0, depth + (mark in ("[", "{")) - (mark in ("]", "}")))
+        dots = dots + 1 if mark == "." else 0 if mark else dots
+        if max(depth, dots) > NESTING:
+            raise problem(
+                f"{path}:{token.line}: nested too deeply; at most {NESTING} tables and lists in each other are read"
+            )
+        if token.kind == "bare" and len(token.text) > DIGITS:
+            raise problem(
+                f"{path}:{token.line}: a number or name of {len(token.text)} characters; at most {DIGITS} are read"
+            )
 
 
 def _tokens(text: str) -> Iterator[_Token]:

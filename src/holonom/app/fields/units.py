@@ -16,6 +16,8 @@ __all__ = ["DIMENSIONS", "parse_quantity", "unit_names"]
 
 DEGREE = math.pi / 180
 
+LARGEST = 1e15
+"""Of any quantity: no robot has more of anything."""
 DIMENSIONS: Mapping[str, Mapping[str, float]] = {
     "length": {"mm": 1e-3, "cm": 1e-2, "m": 1.0, "um": 1e-6},
     "angle": {"deg": DEGREE, "rad": 1.0},
@@ -84,12 +86,15 @@ def parse_quantity(value: object, dimension: str) -> float:
 def _plain_number(value: object) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise InputError(f"{value!r} came; a plain number without unit is expected, such as 0.5")
-    return _finite(float(value), value)
+    return _finite(float(value) if abs(value) <= LARGEST else math.inf, value)
 
 
 def _product(number: str, factor: float) -> float:
     """Return the double nearest to a decimal product, so that "36mm" is 0.036 and not its neighbour."""
-    return float(Decimal(number) * Decimal(repr(factor)))
+    try:
+        return float(Decimal(number) * Decimal(repr(factor)))
+    except ArithmeticError:  # an exponent that no decimal has
+        return math.inf
 
 
 def _factor(unit: str, value: str, dimension: str) -> float:
@@ -110,6 +115,6 @@ def _expected(dimension: str) -> str:
 
 
 def _finite(number: float, value: object) -> float:
-    if not math.isfinite(number):
-        raise InputError(f"{value!r} came; a finite number is expected")
+    if not abs(number) <= LARGEST:
+        raise InputError(f"{value!r} came; a finite number, at most {LARGEST:g} in SI units, is expected")
     return number

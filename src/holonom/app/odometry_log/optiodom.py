@@ -17,9 +17,10 @@ import numpy as np
 
 from holonom.app.odometry_log.checks import check_time, in_one_clock, part_names
 from holonom.app.odometry_log.log import OdometryLog
-from holonom.app.odometry_log.table import Table, read_table, read_text
+from holonom.app.odometry_log.table import Table, read_table
 from holonom.arrays import Array
 from holonom.errors import LogError
+from holonom.files import read_text
 from holonom.mobile.calibration import DRIVES, Run, article, drive_parameters
 from holonom.mobile.odometry import angle_per_tick
 
@@ -102,7 +103,7 @@ class _Facts:
         self.path = path
         self.rows: dict[str, list[str]] = {}
         self.lines: dict[str, int] = {}
-        for number, line in enumerate(read_text(path).splitlines(), start=1):
+        for number, line in enumerate(read_text(path, "description", LogError).split("\n"), start=1):
             key, *cells = (cell.strip() for cell in line.split(","))
             if key:
                 self.rows[key], self.lines[key] = [cell for cell in cells if cell], number

@@ -52,7 +52,8 @@ def read_own(path: Path) -> OdometryLog | None:
     run = Run(name, table.column("time"), turns, truth, np.empty((len(turns), 0)))
     doubts = check_motion(table, run, drive_parameters(drive, nominal), base.wheels)
     cut = (f"{path} was cut off; what is there is taken",) if recording.ended == CUT_OFF else ()
-    return OdometryLog(path, drive, nominal, None, (run,), (*cut, *notes, *doubts))
+    lost = tuple(f"{path} is damaged or cut off, missing is {missing.text()}" for missing in recording.missing)
+    return OdometryLog(path, drive, nominal, None, (run,), (*cut, *lost, *notes, *doubts))
 
 
 def _table(path: Path, recording: Recording, base: BaseDescription) -> tuple[Table, Array]:

@@ -51,10 +51,11 @@ from holonom.app.odometry_log.checks import check_time, in_one_clock, part_names
 from holonom.app.odometry_log.log import OdometryLog
 from holonom.app.odometry_log.mcap_file import read_mcap_table
 from holonom.app.odometry_log.rates import in_seconds, on_one_rate
-from holonom.app.odometry_log.recorded.bag import is_bag
-from holonom.app.odometry_log.table import Table, read_table, read_text
+from holonom.app.odometry_log.recorded.bag import is_bag, lost_of
+from holonom.app.odometry_log.table import Table, read_table
 from holonom.arrays import Array
 from holonom.errors import CalibrationError, LogError, OutOfLimits
+from holonom.files import read_text
 from holonom.mobile.calibration import DRIVES, Run, drive_parameters, wheels_of
 from holonom.mobile.odometry import angle_per_tick, count_differences
 
@@ -134,7 +135,7 @@ def read_description(path: Path) -> Description:
     LogError
         File, line and key of every fault.
     """
-    text = read_text(path)
+    text = read_text(path, "description", LogError)
     data = parse_toml(path, text, LogError, example='drive = "differential"')
     try:
         description = Description.model_validate(data)
@@ -196,7 +197,7 @@ def read_runs(path: Path, description: Description, *, allow_gaps: bool = False)
     table = on_one_rate(in_seconds(table, units.time), columns[1:], TRUTH)
     running = units.wheels in ("counts", "angle")
     parts, notes = check_time(table, allow_gaps=allow_gaps, running=running)
-    notes = (*said, *notes)
+    notes = (*said, *(lost_of(path) if is_bag(path) else ()), *notes)
     runs = []
     for name, part in zip(part_names(path, len(parts)), parts, strict=True):
         run, doubts = _read_part(name, part, description, units, first=part.lines[0] == table.lines[0])

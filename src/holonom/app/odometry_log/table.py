@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import gzip
 import io
 import itertools
+import re
 from collections.abc import Container, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,8 +15,15 @@ import numpy as np
 
 from holonom.arrays import Array
 from holonom.errors import LogError
+from holonom.files import check_lines, read_text
 
-__all__ = ["Table", "read_table", "read_text"]
+__all__ = ["Table", "read_table"]
+
+
+NAME = re.compile(r"[\w .()\[\]/%*^-]{1,64}")
+"""What columns may be called."""
+SHOWN = 24
+"""Characters of a cell that a message shows; no number has more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,25 +67,6 @@ class Table:
         return self.columns[at] if self.columns else at + 1
 
 
-def read_text(path: Path) -> str:
-    """Text of a file, unpacked if its name ends in .gz.
-
-    Raises
-    ------
-    LogError
-        It cannot be read, unpacked or is no UTF-8 text.
-    """
-    try:
-        raw = path.read_bytes()
-        return (gzip.decompress(raw) if path.suffix == ".gz" else raw).decode("utf-8-sig")
-    except FileNotFoundError:
-        raise LogError(f"{path}: there is no such file; give the path of a log") from None
-    except UnicodeDecodeError:
-        raise LogError(f"{path}: not UTF-8 text; save the log as CSV in UTF-8") from None
-    except (OSError, EOFError) as error:
-        raise LogError(f"{path}: cannot be read ({error}); give another copy of the log") from None
-
-
 def read_table(
     path: Path, names: Sequence[str] | None = None, *, needed: Container[str] | None = None,
     sparse: Container[str] = (),
@@ -97,7 +85,8 @@ def read_table(
     LogError
         File, line and column of what is no finite number, of rows that are too long or too short, an empty file.
     """
-    text = read_text(path)
+    text = read_text(path, "log", LogError)
+    check_lines(text, path, LogError)
     rows = text.splitlines()
     lines = [number for number, line in enumerate(rows, start=1) if line.strip()]
     if not lines and names is None:
@@ -133,6 +122,8 @@ def _check_header(path: Path, names: Sequence[str]) -> None:
     for column, name in enumerate(names, start=1):
         if not name or _is_number(name):
             raise LogError(f"{path}:1: column {column}: {name!r} is no name; the first line names the columns")
+        if not NAME.fullmatch(name):  # perhaps another file: none of it is shown
+            raise LogError(f"{path}:1: column {column} has no name of letters, digits and signs; is it a log?")
         if name in seen:
             raise LogError(f"{path}:1: column {column}: there are two columns {name!r}; name each once")
         seen.add(name)
@@ -169,9 +160,9 @@ def _number(path: Path, line: int, column: int, name: str, cell: str, mark: str,
     try:
         return float(text)
     except ValueError:
-        raise LogError(
-            f"{path}:{line}: column {column + 1} ({name}): {cell.strip()!r} is no number; repair or cut it"
-        ) from None
+        came = cell.strip()
+        shown = repr(came) if len(came) <= SHOWN else f"a text of {len(came)} characters"
+        raise LogError(f"{path}:{line}: column {column + 1} ({name}): {shown} is no number; repair or cut it") from None
 
 
 def _is_number(text: str) -> bool:

@@ -16,9 +16,10 @@ Topics are those of `signals.TOPICS`, all stamped with simulated time, each ther
 `topics_table` lists them.
 """
 
+from holonom.app.recording.format.missing import Missing
 from holonom.app.recording.listing import topics_table
 from holonom.app.recording.reader import read_recording, read_robots
-from holonom.app.recording.recorder import Recorder
+from holonom.app.recording.recorder import EPOCH, Recorder
 from holonom.app.recording.recording import COMPLETE, CUT_OFF, Recording
 from holonom.app.recording.tracks import (
     BaseTrack,
@@ -34,6 +35,7 @@ from holonom.app.recording.tracks import (
 __all__ = [
     "COMPLETE",
     "CUT_OFF",
+    "EPOCH",
     "BaseTrack",
     "ContactTrack",
     "CountTrack",
@@ -41,6 +43,7 @@ __all__ = [
     "FrameTrack",
     "InertialTrack",
     "JointTrack",
+    "Missing",
     "Recorder",
     "Recording",
     "Track",

@@ -8,8 +8,8 @@ from pathlib import Path
 
 from holonom.app.recording.format.decoded import Decoded, Frames
 from holonom.app.recording.format.messages import WORLD
-from holonom.app.recording.format.pieces import Pieces, Stream, read_pieces
-from holonom.app.recording.format.topic_messages import Messages
+from holonom.app.recording.format.pieces import Pieces, read_pieces
+from holonom.app.recording.format.topic_messages import Messages, Stream
 from holonom.app.recording.recording import COMPLETE, CUT_OFF, Recording
 from holonom.app.recording.scope import bare
 from holonom.app.recording.tracks import Track
@@ -49,13 +49,13 @@ def read_recording(path: str | Path, *, robot: str | None = None, topics: Sequen
     Returns
     -------
     Recording
-        All topics as arrays; SI units, radians, frames in world. Where the file ends in the middle `ended` says so, and
-        all whole pieces before that are there.
+        All topics as arrays; SI units, radians, frames in world. Where the file ends in the middle `ended` says so;
+        what is damaged is not there, and `missing` says from when to when, and why.
 
     Raises
     ------
     InputError
-        The file is missing, no MCAP recording, or damaged: up to where it can be read.
+        The file is not there, no MCAP recording, or so damaged that nothing of it can be read.
     UnknownName
         No such robot.
     """
@@ -92,7 +92,8 @@ def _read(path: Path, topics: Sequence[Topic]) -> tuple[Pieces, Heard]:
     def take(stream: Stream, messages: Messages) -> None:
         if stream not in by_stream:
             row = _row(_name(stream), topics)
-            by_stream[stream] = Decoded(path, _name(stream), row)
+            fits = row is not None and stream.type in ("", row.type)
+            by_stream[stream] = Decoded(_name(stream), row if fits else None)
         by_stream[stream].add(messages)
 
     return read_pieces(path, take), by_stream
@@ -123,6 +124,7 @@ def _recordings(pieces: Pieces, by_stream: Heard, names: Sequence[str], robots: 
     frames = {name: track for (parent, name), track in _frames(shared, "/truth/tf").items() if parent == WORLD}
     tree, events = _frames(shared, "/tf"), shared["/rosout"].events if "/rosout" in shared else ()
     common = {name: decoded.track() for name, decoded in shared.items()}
+    lacking = [missing for decoded in by_stream.values() if (missing := decoded.missing()) is not None]
     found = []
     for robot in names:
         own = {
@@ -145,6 +147,7 @@ def _recordings(pieces: Pieces, by_stream: Heard, names: Sequence[str], robots: 
                 attachments=pieces.attachments,
                 metadata=pieces.metadata,
                 ended=COMPLETE if pieces.whole else CUT_OFF,
+                missing=(*pieces.missing, *lacking),
             )
         )
     return found

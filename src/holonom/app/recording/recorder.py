@@ -13,13 +13,23 @@ from mcap.writer import CompressionType, Writer
 
 from holonom.app.recording.format.codecs import CODECS, Encode
 from holonom.app.recording.format.growing import GrowingFile
+from holonom.app.recording.format.pieces import CLOCK, ZERO
 from holonom.app.recording.format.schemas import schema_text
 from holonom.app.recording.scope import Scope
 from holonom.errors import OutputFault, UnknownName
 from holonom.signals import TOPICS, Record, Signal, Sink, Topic
 
-__all__ = ["Recorder"]
+__all__ = ["EPOCH", "Recorder"]
 
+EPOCH = 946_684_800_000_000_000
+"""Stamp, ns, of the beginning of simulated time: 2000-01-01 00:00 UTC. Tools of ROS take a stamp of 0 for none at all;
+a fixed one leaves equal runs equal files."""
+KEPT = (
+    "- history: 3\n  depth: 0\n  reliability: 1\n  durability: 1\n  deadline: {sec: 2147483647, nsec: 4294967295}\n"
+    "  lifespan: {sec: 2147483647, nsec: 4294967295}\n  liveliness: 1\n"
+    "  liveliness_lease_duration: {sec: 2147483647, nsec: 4294967295}\n  avoid_ros_namespace_conventions: false\n"
+)
+"""Quality of service of what is said once: kept for who subscribes later (transient local), as rosbag2 writes it."""
 PIECE = 100_000_000
 """Simulated time, ns, after which what was recorded is handed to the operating system; a killed run loses no more."""
 
@@ -27,9 +37,9 @@ PIECE = 100_000_000
 class Recorder:
     """A `signals.Sink` that writes an MCAP file of ROS 2 messages.
 
-    The file holds simulated time only, so that equal runs give equal files, to the byte. Use it as a context
-    manager: the file is complete however the block is left. It grows by a chunk for each 0.1 s of simulated time, so
-    that what a killed process leaves can be read up to there.
+    The file holds simulated time only, from `EPOCH` on, so that equal runs give equal files, to the byte. Use it as a
+    context manager: the file is complete however the block is left. It grows by a chunk for each 0.1 s of simulated
+    time, so that what a killed process leaves can be read up to there.
 
     Parameters
     ----------
@@ -82,7 +92,7 @@ class Recorder:
             for name, data in (attachments or {}).items():
                 kind = mimetypes.guess_type(name)[0] or "application/octet-stream"
                 self._writer.add_attachment(0, 0, name, kind, data)
-            for name, words in (metadata or {}).items():
+            for name, words in {CLOCK: {ZERO: str(EPOCH)}, **(metadata or {})}.items():
                 self._writer.add_metadata(name, dict(words))
             self._writer.flush()  # type: ignore[no-untyped-call]
         except OutputFault:
@@ -174,6 +184,8 @@ class Recorder:
             self._schemas[topic.type] = self._writer.register_schema(schema_name, SchemaEncoding.ROS2, text)
         about = {"kind": str(topic.kind), "units": topic.units, "frame": topic.frame, "meaning": topic.meaning}
         about["robot"] = "" if topic.shared else scope.robot
+        if topic.kept:
+            about["offered_qos_profiles"] = KEPT
         schema = self._schemas[topic.type]
         return self._writer.register_channel(called, MessageEncoding.CDR, schema, about)
 
@@ -199,7 +211,7 @@ class _RobotSink:
             self._heard.add(record.number)
             if record.time > begin:
                 self.put(Signal(begin, record.number, not record.on))
-        now = round(record.time * 1e9)
+        now = EPOCH + round(record.time * 1e9)
         for topic, encode in self._encoders[type(record)]:
             message = encode(now, record)
             if message is not None:

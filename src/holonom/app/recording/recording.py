@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from holonom.app.recording.format.missing import Missing
 from holonom.app.recording.tracks import (
     BaseTrack,
     ContactTrack,
@@ -49,6 +50,8 @@ class Recording:
         Files and words that came with it, by name.
     ended
         `COMPLETE` or `CUT_OFF`.
+    missing
+        Stretches that could not be read, in the order of the file.
     """
 
     tracks: Mapping[str, Track] = field(default_factory=dict)
@@ -62,6 +65,7 @@ class Recording:
     attachments: Mapping[str, bytes] = field(default_factory=dict)
     metadata: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     ended: str = COMPLETE
+    missing: tuple[Missing, ...] = ()
 
     @property
     def joints(self) -> JointTrack:

@@ -77,7 +77,7 @@ def base_of(metadata: Mapping[str, Mapping[str, str]], robot: str = "") -> BaseD
             counts_per_turn=int(description["counts_per_turn"]),
             gear_ratio=float(description["gear_ratio"]),
         )
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
         raise InputError(f"the recording's words on its robot cannot be read ({error}); record it again") from None
 
 

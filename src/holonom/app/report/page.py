@@ -22,7 +22,7 @@ from holonom.app.report.sections import LimitUse, Outcome, PhotoOverlay, facts_h
 from holonom.errors import OutputError
 from holonom.signals import Event
 
-__all__ = ["Head", "page_html", "write_report"]
+__all__ = ["Head", "page_html", "unmade_html", "write_report"]
 
 _PLACE = re.compile(r"\{\{(\w+)\}\}")
 
@@ -102,6 +102,16 @@ def page_html(
         "blob": html("{}", blob.text()),
     }
     return Html(_PLACE.sub(lambda place: values[place[1]], _asset("report.html")))
+
+
+def unmade_html(title: str, outcome: Outcome, why: str) -> Html:
+    """Return what stands in a report's place that could not be made."""
+    return html(
+        '<!doctype html><html lang="en"><head><meta charset="utf-8"><meta http-equiv="Content-Security-Policy" '
+        "content=\"default-src 'none'\"><title>{0} · Holonom</title></head><body><h1>{0}</h1>{1}"
+        "<p>The report could not be made ({2}). The recording beside it holds all that happened.</p></body></html>",
+        title, outcome_html(outcome), why,
+    )  # fmt: skip
 
 
 def write_report(

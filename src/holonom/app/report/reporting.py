@@ -10,7 +10,7 @@ from holonom.app.report.attached import program_of
 from holonom.app.report.findings.headline import badge_of, headline_of
 from holonom.app.report.findings.summary import placed_parts, summary_of
 from holonom.app.report.findings.summary_lines import summary_lines
-from holonom.app.report.page import Head, page_html
+from holonom.app.report.page import Head, page_html, unmade_html
 from holonom.app.report.parts import stated
 from holonom.app.report.section_table import parts_of
 from holonom.app.report.source import Source, source_of
@@ -29,7 +29,7 @@ def report_recording(recording: Path, output: Path) -> Answer:
     Raises
     ------
     InputError
-        The recording is missing, no MCAP file, or damaged. Nothing is written then.
+        The recording is not there, no MCAP file, or so damaged that nothing can be read. Nothing is written then.
     OutputError
         The folder cannot be written to, or another run writes to it.
     OutputFault
@@ -45,13 +45,14 @@ def report_recording(recording: Path, output: Path) -> Answer:
 
 
 def report_html(source: Source) -> str:
-    """Return the report as one HTML page that needs no network.
+    """Return the report as one HTML page that needs no network; where none can be made, how the run ended, and why."""
+    try:
+        return _page(source)
+    except Exception as error:  # whatever it is, how the run ended is worth having
+        return unmade_html(source.cell.title, badge_of(source), stated(error))
 
-    Raises
-    ------
-    InputError
-        What the recording says of itself cannot be read.
-    """
+
+def _page(source: Source) -> str:
     programs = {robot.name: program_of(source.whole, robot.facts.program) for robot in source.robots}
     cell = source.cell
     head = Head(cell.title, badge_of(source), cell.description, _facts(source))

@@ -25,6 +25,7 @@ REPORT_SECTIONS = Table(
     "section of a report",
     "a `Section`: whether it applies to a recording, and its parts",
     {
+        "missing": "holonom.app.report.section.missing:SECTION",
         "robots": "holonom.app.report.section.robots:SECTION",
         "comparison": "holonom.app.report.section.comparison:SECTION",
         "path": "holonom.app.report.section.path:SECTION",

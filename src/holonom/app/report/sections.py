@@ -131,7 +131,7 @@ def programs_html(programs: Mapping[str, str]) -> Html:
 def _program(robot: str, text: str) -> Html:
     lines = joined(
         html('<li data-line="{}"><code>{}</code></li>', number, line or " ")
-        for number, line in enumerate(text.splitlines(), start=1)
+        for number, line in enumerate(text.removesuffix("\n").split("\n"), start=1)
     )
     title = f"Program of {robot}" if robot else "Program"
     return html('<div class="card program"><h2>{}</h2><ol data-robot="{}">{}</ol></div>', title, robot, lines)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -20,6 +21,8 @@ from holonom.errors import InputError
 from holonom.signals import TOPICS, Event
 
 __all__ = ["BARE", "RobotSource", "Source", "source_of"]
+
+T = TypeVar("T")
 
 BARE = "without_handling"
 """The run of a base without slip detection and watch over its motors."""
@@ -68,6 +71,13 @@ class Source:
     scene: Scene
     robots: tuple[RobotSource, ...]
     photograph: PhotoOverlay | None = None
+    unread: tuple[str, ...] = ()
+    """what it says of itself that cannot be read, and why"""
+
+    @property
+    def lost(self) -> tuple[str, ...]:
+        """What could not be read of it, a sentence each."""
+        return (*(missing.text() for missing in self.whole.missing), *self.unread)
 
     @property
     def events(self) -> tuple[Event, ...]:
@@ -88,14 +98,15 @@ def source_of(path: str | Path, *, beside: bool = True) -> Source:
     Raises
     ------
     InputError
-        It is missing, no MCAP recording, or damaged; what it says of its cell cannot be read.
+        It is not there, no MCAP recording, or so damaged that nothing of it can be read.
     """
     path = Path(path)
     wanted = [topic for topic in TOPICS if (topic.name not in UNUSED if beside else topic.name in COMPARED)]
     recordings = {name: rebased(recording) for name, recording in read_robots(path, topics=wanted).items()}
     whole = _with_base_frames(recordings[""])
-    cell = cell_of(whole)
-    ending = ending_of(whole) or _guessed(whole)
+    unread: list[str] = []
+    cell = _told(cell_of, whole, unread)
+    ending = _told(ending_of, whole, unread) or _guessed(whole)
     known = cell or _inferred(path, recordings)
     whole = replace(whole, frames={**whole.frames, **castor_frames(whole.frames, known.robots)})
     others = _others(path, cell) if beside and cell is not None else {}
@@ -110,8 +121,18 @@ def source_of(path: str | Path, *, beside: bool = True) -> Source:
         )
         for robot in known.robots
     )
-    scene = _drawable(recorded_scene(whole), whole) or inferred_scene(whole.frames)
-    return Source(whole, known, cell is not None, ending, scene, robots, photograph_of(whole))
+    scene = _drawable(_told(recorded_scene, whole, unread), whole) or inferred_scene(whole.frames)
+    photograph = _told(photograph_of, whole, unread)
+    return Source(whole, known, cell is not None, ending, scene, robots, photograph, tuple(unread))
+
+
+def _told(read: Callable[[Recording], T | None], recording: Recording, unread: list[str]) -> T | None:
+    """What a recording says of itself; None, and a sentence, where that cannot be read."""
+    try:
+        return read(recording)
+    except InputError as error:
+        unread.append(str(error))
+        return None
 
 
 def _others(path: Path, cell: CellFacts) -> dict[str, Source]:

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 
 from holonom.app.job import ArmJob, Job, Mount
 from holonom.app.recording import Recorder
+from holonom.app.recording.urdf import BASE
 from holonom.app.report.findings.facts import Ending as EndingFacts
 from holonom.app.rig.arm import ArmRig, make_loop
+from holonom.app.rig.arm_sink import ArmSink
 from holonom.app.rig.base import BaseRig, make_base
 from holonom.app.rig.collisions import Collisions
 from holonom.app.rig.ending import Ended, Ending
 from holonom.app.rig.robot import TICK, RobotRig
+from holonom.app.rig.stated import put_stated
 from holonom.arrays import Array
 from holonom.closed_loop import ArmLoop, BaseLoop, IdealArm
 from holonom.errors import ContactFault, MotionError, ProgramFault, RunError
@@ -93,13 +95,17 @@ class Rig:
         self._events = sorted(job.events, key=lambda event: event.at)
         self._rng = np.random.default_rng([job.seed, 1])
         self._ticks = 0
+        put_stated(job, recorder)
         deciding = bool(job.arms or job.events or job.sensors or job.obstacles or len(job.bases) > 1)
         deciding = deciding or any(b.task.velocities is not None or b.task.after is not None for b in job.bases)
         self._step = 1 if deciding else LONG
         self._observe()
 
     def _arm(self, job: ArmJob, loops: Simulated, say: Callable[[str], None]) -> ArmRig:
-        sink = _Typed(self._recorder.scoped(job.name, job.arm.limits.names), say)
+        carried = job.mount is not None and job.mount.robot is not None
+        stands = np.linalg.inv(np.array(job.arm.model.base)) if carried else np.eye(4)
+        own = self._recorder.scoped(job.name, job.arm.limits.names)
+        sink = ArmSink(own, say, job, BASE if carried else "world", stands)
         believed = true = None
         mount = job.mount
         if mount is not None and mount.robot is not None:
@@ -242,18 +248,6 @@ def _source_of(fault: RunError) -> str:
 
 def _peak(what: str) -> str:
     return what if what.startswith("rms") else f"peak_{what}"
-
-
-class _Typed:
-    """A sink that shows what programs type."""
-
-    def __init__(self, sink: Any, say: Callable[[str], None]) -> None:
-        self._sink, self._say = sink, say
-
-    def put(self, record: Any) -> None:
-        if isinstance(record, Event) and record.level == "info" and record.source == "program":
-            self._say(record.text)
-        self._sink.put(record)
 
 
 def _carried(carrier: BaseRig, mount: Mount) -> Callable[[], Array]:

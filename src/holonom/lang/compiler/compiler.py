@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from holonom.errors import ProgramError
+from holonom.files import is_inside, read_text
 from holonom.lang.compiler.builder import Argument, Builder, Signature
 from holonom.lang.compiler.statements import block
 from holonom.lang.compiler.symbols import PLAIN, Scope, Symbol, kind_of_name
-from holonom.lang.compiler.syntax import parse
+from holonom.lang.compiler.syntax import lines_of, parse
 from holonom.lang.diagnostics import Node, Span, nearest
 from holonom.lang.locations import read_locations, split_name
 from holonom.lang.machine import Array
@@ -40,16 +41,12 @@ def compile_program(text: str, file: str = "<program>", locations: Mapping[str, 
         With all that is wrong: file, line, column, the line, a caret and a hint for each.
     """
     tree = parse(text, file)
-    b = Builder(file, tuple(text.splitlines()))
+    b = Builder(file, tuple(lines_of(text)))
     given = _give(b, locations or {})
     nodes = [node for node in tree.children if isinstance(node, Node)]
     for node in nodes:
         _declare(b, node)
-    try:
-        routines = tuple(_routine(b, node) for node in nodes)
-    except RecursionError:
-        where = f"{file}:{b.line}"
-        raise ProgramError(f"{where}: nested too deeply; use variables for parts of it") from None
+    routines = tuple(_routine(b, node) for node in nodes)
     _settle_arguments(b)
     _check_names(b)
     if b.errors:
@@ -60,12 +57,17 @@ def compile_program(text: str, file: str = "<program>", locations: Mapping[str, 
 
 
 def load_program(
-    path: Path | str, locations: Path | str | None = None, *, turns: Sequence[bool] | None = None
+    path: Path | str,
+    locations: Path | str | None = None,
+    *,
+    turns: Sequence[bool] | None = None,
+    allow_outside: bool = False,
 ) -> Program:
     """Compile a program file with a location file.
 
-    `locations` defaults to the file beside the program with the ending `.loc`, if there is one. `turns` says of each
-    joint of the arm whether it turns or slides (see `read_locations`); all turn unless it is given.
+    `locations` defaults to the file beside the program with the ending `.loc`, if there is one; one that is a link out
+    of the folder is refused, unless `allow_outside`. `turns` says of each joint of the arm whether it turns or slides
+    (see `read_locations`); all turn unless it is given.
 
     Raises
     ------
@@ -75,17 +77,17 @@ def load_program(
     path = Path(path)
     beside = path.with_suffix(".loc")
     taught = Path(locations) if locations is not None else beside if beside.is_file() else None
-    found = read_locations(_read(taught), str(taught), turns) if taught is not None else {}
-    return compile_program(_read(path), str(path), found)
+    if locations is None and taught is not None and not (allow_outside or _is_beside(taught, path)):
+        raise ProgramError(f"{taught} is a link that leads out of the program's folder; copy the file into it")
+    found = (
+        read_locations(read_text(taught, "locations", ProgramError), str(taught), turns) if taught is not None else {}
+    )
+    return compile_program(read_text(path, "program", ProgramError), str(path), found)
 
 
-def _read(path: Path) -> str:
-    try:
-        return path.read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise ProgramError(f"{path}: not a text in UTF-8 ({error.reason} at byte {error.start})") from None
-    except OSError as error:
-        raise ProgramError(f"{path}: cannot be read: {error.strerror}; give the path of a readable file") from None
+def _is_beside(file: Path, program: Path) -> bool:
+    """Whether a file lies where the program does: by its name, or where a link to the program leads."""
+    return is_inside(file, program.parent) or is_inside(file, program.resolve().parent)
 
 
 def _give(b: Builder, locations: Mapping[str, Array]) -> dict[str, list[tuple[tuple[int, ...], Array]]]:

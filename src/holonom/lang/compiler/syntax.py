@@ -10,13 +10,18 @@ from lark import Lark, Token, UnexpectedCharacters, UnexpectedEOF, UnexpectedTok
 from lark.exceptions import UnexpectedInput
 
 from holonom.errors import ProgramError
+from holonom.files import check_lines
 from holonom.lang.diagnostics import Diagnostic, Node, Span, nearest, span_of
 from holonom.lang.words.foreign import foreign_hint
 from holonom.lang.words.instructions import INSTRUCTIONS
 from holonom.lang.words.table import SYNTAX_WORDS
 
-__all__ = ["WORDS", "parse"]
+__all__ = ["WORDS", "lines_of", "parse"]
 
+LINES = 20_000
+"""Lines of a program."""
+DEEPEST = 300
+"""Nodes of the syntax tree within each other: an operator, a bracket or an instruction is one, a block three."""
 _STATEMENTS = (*INSTRUCTIONS, *(name for name, word in SYNTAX_WORDS.items() if word.begins))
 
 # Words of the language and the terminal that each of them is for the parser.
@@ -65,14 +70,35 @@ def parse(text: str, file: str) -> Node:
     ProgramError
         At the first place where the text is not ARPS.
     """
+    check_lines(text, file, most=LINES)
     if not text.strip():
         raise ProgramError(f"{file}: the program is empty; it needs .PROGRAM name() ... .END")
     try:
-        return cast(Node, _parser().parse(text + "\n"))
+        tree = cast(Node, _parser().parse(text + "\n"))
     except UnexpectedCharacters as error:
         raise ProgramError(_stray_character(error, text, file).render()) from None
     except (UnexpectedToken, UnexpectedEOF) as error:
         raise ProgramError(_misplaced(error, text, file).render()) from None
+    _check_nesting(tree, text, file)
+    return tree
+
+
+def lines_of(text: str) -> list[str]:
+    """Return the lines of a text as the parser counts them: only a line end ends one."""
+    return text.removesuffix("\n").split("\n")
+
+
+def _check_nesting(tree: Node, text: str, file: str) -> None:
+    """Raise `ProgramError` at the first place that is deeper than the compiler goes."""
+    waiting = [(tree, 0)]
+    while waiting:
+        node, depth = waiting.pop()
+        if depth > DEEPEST:
+            span = span_of(node)
+            what = f"nested too deeply: {DEEPEST} levels of operators, brackets and blocks are allowed"
+            hint = "use variables for parts of it, or CALL a program"
+            raise ProgramError(Diagnostic(file, span, what, hint, _line(text, span.line)).render())
+        waiting += [(child, depth + 1) for child in reversed(node.children) if isinstance(child, Node)]
 
 
 @cache
@@ -100,7 +126,7 @@ def _encode(token: Token) -> Token:
 
 
 def _line(text: str, number: int) -> str:
-    lines = text.splitlines()
+    lines = lines_of(text)
     return lines[number - 1] if number <= len(lines) else ""
 
 
@@ -129,7 +155,7 @@ def _misplaced(error: UnexpectedInput, text: str, file: str) -> Diagnostic:
         return Diagnostic(file, span_of(before), what, hint, _line(text, before.line or 1))
     span = span_of(token)
     if token.type == "$END":
-        last = max(1, len(text.splitlines()))
+        last = max(1, len(lines_of(text)))
         span = Span(last, len(_line(text, last)) + 1, len(_line(text, last)) + 2)
     what = f"{_describe(token)} cannot stand here; expected {_listed(accepted)}"
     opened = [t for t in read if isinstance(t, Token) and t.type in _OPENS]

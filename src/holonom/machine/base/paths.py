@@ -5,16 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
-from scipy.ndimage import uniform_filter1d
 
 from holonom.arrays import Array
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.machine.levels import Levels, interpolate
 from holonom.registry import OWN, Method, Table, parameter
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 __all__ = [
     "HEADINGS",
@@ -217,6 +219,8 @@ def _turn() -> Array:
 
 def _by_length(p: Array, closed: bool) -> tuple[CubicSpline, float]:
     """Spline over its own length: chords first, then corrected by the length of that spline."""
+    from scipy.interpolate import CubicSpline  # heavy: on first use
+
     if closed:
         p = np.vstack([p[:-1], p[:1]])
     kind = "periodic" if closed else "natural"
@@ -261,6 +265,8 @@ def _speed_profile(s: Array, curvature: Array, limits: PathLimits) -> Array:
 
 def _in_time(s: Array, square: Array, rise: float, rest: float) -> tuple[Array, Array, Array]:
     """Distance, speed and acceleration along the way at 1 kHz, smoothed, resting at both ends."""
+    from scipy.ndimage import uniform_filter1d  # heavy: on first use
+
     v = np.sqrt(square)
     t = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(s) / (v[1:] + v[:-1]))])
     window = max(round(rise / TICK), 1)
@@ -289,7 +295,7 @@ def _rotating(curve: CubicSpline, s: Array, length: float, start: float, turns: 
     return np.stack([start + rate * s, np.full_like(s, rate), np.zeros_like(s)])
 
 
-Heading = Callable[[CubicSpline, Array, float, float, float], Array]
+Heading = Callable[["CubicSpline", Array, float, float, float], Array]
 
 HEADINGS = Table(
     "headings",

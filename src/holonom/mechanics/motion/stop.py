@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
+from scipy.interpolate import CubicHermiteSpline  # at once: a stop does not wait for it
 
 from holonom.arrays import Array
 from holonom.mechanics.motion.trajectory import STILL, JointLimits, Trajectory, remainder, standstill

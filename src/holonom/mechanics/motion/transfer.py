@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, real_array
-from holonom.errors import InputError, MotionError, OutOfLimits, ShapeError
+from holonom.errors import MissingExtra, MotionError, OutOfLimits, ShapeError
 from holonom.mechanics.motion.trajectory import (
     JointLimits,
     Trajectory,
@@ -82,7 +82,7 @@ def _ruckig() -> Any:
     try:
         import ruckig
     except ImportError:
-        raise InputError("plan_transfer needs Ruckig; pip install 'holonom[motion]'") from None
+        raise MissingExtra("plan_transfer", "Ruckig", "motion") from None
     return ruckig
 
 

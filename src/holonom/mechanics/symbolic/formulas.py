@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from holonom.errors import InputError, UnknownName
+from holonom.errors import InputError, MissingExtra, UnknownName
 from holonom.mechanics.arm.arm import Arm
 from holonom.mechanics.equations import kinematics
 from holonom.mechanics.equations.dynamics import composite_body, coriolis, newton_euler
@@ -234,7 +234,7 @@ def _sympy() -> Any:
     try:
         return importlib.import_module("sympy")
     except ImportError:
-        raise InputError('formulas need SymPy, which is not installed; pip install "holonom[symbolic]"') from None
+        raise MissingExtra("a formula", "SymPy", "symbolic") from None
 
 
 def _importance(variable: Variable) -> tuple[int, int]:

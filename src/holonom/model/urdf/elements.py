@@ -14,6 +14,8 @@ __all__ = ["MAX_BYTES", "Element", "NotWellFormed", "Origin", "fault", "parse_xm
 
 MAX_BYTES = 16 * 2**20
 MAX_DEPTH = 64
+LARGEST = 1e100
+"""Of any number: products of three of them are still numbers."""
 MAX_ELEMENTS = 200_000
 
 
@@ -84,13 +86,19 @@ class Element:
                 yield child, close[0]
 
 
+def _short(word: str) -> str:
+    return word if len(word) <= 40 else f"{word[:20]}... ({len(word)} characters)"
+
+
 def _finite(element: Element, attribute: str, word: str) -> float:
     try:
         value = float(word)
     except ValueError:
         value = math.nan
     if not math.isfinite(value) or "_" in word:
-        raise fault(element, f'<{element.tag}> {attribute}="{word}": a finite number is needed')
+        raise fault(element, f'<{element.tag}> {attribute}="{_short(word)}": a finite number is needed')
+    if abs(value) > LARGEST:
+        raise fault(element, f'<{element.tag}> {attribute}="{_short(word)}": numbers up to {LARGEST:g} are read')
     return value
 
 

@@ -135,7 +135,7 @@ def _kind(element: Element) -> str:
 def _axis(element: Element, check: Check) -> tuple[float, float, float]:
     stated = check.one(element, "axis")
     x, y, z = (1.0, 0.0, 0.0) if stated is None else stated.numbers("xyz", (1.0, 0.0, 0.0))
-    length = math.sqrt(x * x + y * y + z * z)
+    length = math.hypot(x, y, z)
     if length < 1e-6:
         raise fault(stated or element, f'{element.called()} has the axis "{x} {y} {z}", which has no direction')
     return x / length, y / length, z / length

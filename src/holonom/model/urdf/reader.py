@@ -12,11 +12,12 @@ import numpy as np
 
 from holonom.arrays import Array
 from holonom.errors import ModelError, ModelWarning, UnknownName
+from holonom.files import read_bytes
 from holonom.model.arm import ArmModel, Body, Frame, Joint, Mimic, Motor, constant_transform
 from holonom.model.compound import frame_along, joints_of
 from holonom.model.joint_kinds import kind_of
 from holonom.model.urdf.check import Check, CheckMode
-from holonom.model.urdf.elements import MAX_BYTES, Element, NotWellFormed, fault, parse_xml
+from holonom.model.urdf.elements import Element, NotWellFormed, fault, parse_xml
 from holonom.model.urdf.inertia import CheckInertia, check_inertias, fixed_together
 from holonom.model.urdf.mend import mended
 from holonom.model.urdf.mimic import Follows, follow
@@ -98,7 +99,7 @@ def urdf_model(
     if isinstance(source, str) and "<" in source:
         robot = _parsed(source, "URDF text", found)
     else:
-        robot = _parsed(_bytes_of(Path(source)), str(source), found)
+        robot = _parsed(read_bytes(source, "robot", ModelError), str(source), found)
     return arm_model_from_urdf(robot, root=root, tip=tip, check=found, check_inertia=check_inertia)
 
 
@@ -114,14 +115,6 @@ def _parsed(content: str | bytes, source: str, check: Check) -> Element:
     for line, what in again.faults:
         check.remark(f"{source}, line {line}: not well-formed XML: {what}; it is passed over")
     return robot
-
-
-def _bytes_of(path: Path) -> bytes:
-    try:
-        with path.open("rb") as file:
-            return file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise ModelError(f"{path}: cannot be read ({error.strerror}); give a URDF file or its text") from None
 
 
 def arm_model_from_urdf(

@@ -26,7 +26,14 @@ import yaml  # type: ignore[import-untyped]  # noqa: F401  (loaded before the fe
 
 __all__: list[str] = []
 
-MEMORY = 2 * 2**30
+MEMORY = 2**30
+SECONDS = 30
+"""Of the processor."""
+LARGEST_FILE = 16 * 2**20
+DIGITS = 400
+"""Digits of a whole number: a double has 309 before its point."""
+LONGEST = 1_000_000
+"""Elements of a range, characters of a repeated text."""
 HARMLESS = {
     "builtins.id",
     "code.__new__",
@@ -76,23 +83,75 @@ def _raise_fence(folders: Sequence[str]) -> None:
     sys.addaudithook(hook)
 
 
-def _limit_memory() -> None:
+def _limit_means() -> None:
     try:
         import resource
     except ImportError:  # not on this system
         return
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS + 1))
 
 
 def _checked_eval(expression: str, symbols: dict[str, Any], local: Mapping[str, Any] | None = None) -> Any:
     """xacro's own evaluation, after a look at every name in the expression, nested ones too."""
-    for node in ast.walk(ast.parse(expression.strip(), mode="eval")):
+    tree = ast.parse(expression.strip(), mode="eval")
+    for node in ast.walk(tree):
         if isinstance(node, ast.Attribute) and FRAMES.match(node.attr):
             raise Refused(f"attribute {node.attr!r} in an expression is refused")
         if isinstance(node, ast.Name) and node.id.startswith("__"):
             raise Refused(f"name {node.id!r} in an expression is refused")
-    symbols.update(__builtins__={})
-    return eval(compile(expression.strip(), "<expression>", "eval"), symbols, local)
+    bounded = ast.fix_missing_locations(_Bounded().visit(tree))
+    symbols.update(__builtins__={}, __power=_power, __times=_times, __shifted=_shifted)
+    if "range" in symbols:
+        symbols["range"] = _range
+    return eval(compile(bounded, "<expression>", "eval"), symbols, local)
+
+
+class _Bounded(ast.NodeTransformer):
+    """Puts what can grow without bound through a function that looks before it computes."""
+
+    GROWS = {ast.Pow: "__power", ast.Mult: "__times", ast.LShift: "__shifted"}
+
+    def visit_BinOp(self, node: ast.BinOp) -> Any:
+        self.generic_visit(node)
+        name = self.GROWS.get(type(node.op))
+        if name is None:
+            return node
+        call = ast.Call(ast.Name(name, ast.Load()), [node.left, node.right], [])
+        return ast.copy_location(call, node)
+
+
+def _power(a: Any, b: Any) -> Any:
+    if isinstance(a, int) and isinstance(b, int) and abs(a) > 1 and abs(a).bit_length() * b > 4 * DIGITS:
+        raise Refused(f"{_short(a)} ** {_short(b)} has more than {DIGITS} digits; no measure of a robot has")
+    return a**b
+
+
+def _shifted(a: Any, b: Any) -> Any:
+    if isinstance(b, int) and b > 4 * DIGITS:
+        raise Refused(f"{_short(a)} << {_short(b)} has more than {DIGITS} digits; no measure of a robot has")
+    return a << b
+
+
+def _times(a: Any, b: Any) -> Any:
+    for text, count in ((a, b), (b, a)):
+        if isinstance(text, str | list | tuple | bytes) and isinstance(count, int) and len(text) * count > LONGEST:
+            raise Refused(f"{len(text)} elements {_short(count)} times are more than {LONGEST}")
+    return a * b
+
+
+def _range(*limits: Any) -> range:
+    found = range(*limits)
+    if found and abs(found[-1] - found[0]) > LONGEST * abs(found.step):
+        raise Refused(f"a range of more than {LONGEST} elements")
+    return found
+
+
+def _short(number: Any) -> str:
+    """A number in few characters; of a long one how long it is."""
+    if isinstance(number, int) and number.bit_length() > 64:
+        return f"(a number of {number.bit_length()} bits)"
+    return repr(number)[:40]
 
 
 def _no_eval(expression: str, context: object) -> str:
@@ -136,7 +195,10 @@ def _parse(_: object, file: str) -> Any:
     """Take the place of `xacro.parse`, which keeps no line numbers."""
     try:
         with open(file, "rb") as opened:
-            return _Builder(file).parseString(opened.read())
+            content = opened.read(LARGEST_FILE + 1)
+        if len(content) > LARGEST_FILE:
+            raise Located(f"more than {LARGEST_FILE >> 20} MiB; split the file", file, 1)
+        return _Builder(file).parseString(content)
     except expat.ExpatError as error:
         problem = f"not well-formed XML ({expat.ErrorString(error.code)}), column {error.offset + 1}"
         raise Located(problem, file, error.lineno) from None
@@ -161,7 +223,7 @@ def _expand(request: dict[str, Any]) -> dict[str, Any]:
     xacro.parse, xacro.safe_eval = _parse, _checked_eval
     xacro.substitution_args._eval = _no_eval
     xacro.substitution_args._env = xacro.substitution_args._optenv = _no_environment
-    _limit_memory()
+    _limit_means()
     _raise_fence([os.path.dirname(request["file"]), *packages.values()])
     document = xacro.process_file(request["file"], mappings=request["arguments"], verbosity=0)
     return {"urdf": document.documentElement.toxml(), "origins": _origins(document.documentElement, request["file"])}

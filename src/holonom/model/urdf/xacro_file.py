@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import importlib.util
 import json
+import signal
 import subprocess
 import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from holonom.errors import InputError, ModelError
+from holonom.errors import MissingExtra, ModelError
 from holonom.model.urdf.elements import Element, parse_xml
 
 __all__ = ["expand_xacro"]
@@ -34,11 +35,11 @@ def expand_xacro(
     ------
     ModelError
         Missing file, bad xacro, a read outside those folders, an environment variable; with file and line.
-    InputError
+    MissingExtra
         The library is not installed.
     """
     if importlib.util.find_spec("xacro") is None:
-        raise InputError("xacro files need the xacro library; pip install 'holonom[xacro]', or expand the file to URDF")
+        raise MissingExtra("a xacro file", "the xacro library", "xacro")
     if not file.is_file():
         raise ModelError(f"{file}: no such file; give a xacro file")
     folders = {name: _folder(name, Path(folder)) for name, folder in (packages or {}).items()}
@@ -72,6 +73,8 @@ def _child(file: Path, request: str) -> dict[str, Any]:
     except subprocess.TimeoutExpired:
         raise ModelError(f"{file}: not expanded within {TIME_LIMIT:.0f} s; do its macros call each other?") from None
     except ValueError:
+        if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
+            raise ModelError(f"{file}: not expanded within its time; do its macros call each other?") from None
         last = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
         raise ModelError(f"{file}: the expansion broke off ({' '.join(last) or done.returncode})") from None
     return answer

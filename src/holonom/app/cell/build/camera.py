@@ -5,8 +5,8 @@ from __future__ import annotations
 import csv
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import cv2
 import numpy as np
 from scipy.spatial.transform import Rotation
 
@@ -18,26 +18,24 @@ from holonom.app.cell.model.world import Camera
 from holonom.app.report import Detection, PhotoOverlay
 from holonom.arrays import Array
 from holonom.errors import CalibrationError, CellError, ImageError
+from holonom.files import check_lines, read_text
 from holonom.lang import Part
 from holonom.sim import Disc as SimulatedDisc
 from holonom.spatial import pose
-from holonom.vision import (
-    Disc,
-    TableCamera,
-    TablePart,
-    find_coins,
-    fit_homography,
-    grasp_angles,
-    load_photograph,
-    measure,
-    to_pixel,
-    to_table,
-)
+
+if TYPE_CHECKING:
+    from holonom.vision import Disc, TableCamera, TablePart
 
 __all__ = ["OTHER", "Seen", "calibrate", "look", "overlay", "parts_for", "pixel_axes", "simulated_parts"]
 
 FINGER_CLEARANCE = 1.5e-3
 """Room (m) wanted between an open finger and a neighbouring part."""
+SMALLEST, LARGEST, FARTHEST = 1e-4, 1.0, 100.0
+"""Diameters of parts, and how far from the surface's corner they may lie, m."""
+PIXELS = 1e5
+"""Beyond any photograph."""
+ROWS = 10_000
+"""Parts of a layout."""
 OTHER = "#94a3b8"
 """Colour of parts that belong to no field."""
 
@@ -70,40 +68,64 @@ def look(cell: Cell, path: Path) -> Seen | None:
         The calibration points do not determine the camera, or the layout is none; names the file.
     ImageError
         The photograph is missing or not an image.
+    MissingExtra
+        OpenCV is not installed.
     """
     if cell.camera is None or cell.parts is None:
         return None
+    from holonom import vision
+
     try:
-        image = load_photograph(cell.camera.photograph)
+        image = vision.load_photograph(cell.camera.photograph)
     except ImageError as problem:
         raise ImageError(f"{place_in(path, 'camera', 'photograph')}: {problem}") from problem
     camera = calibrate(cell.camera, path)
-    discs = find_coins(image)
-    measured = measure(camera, discs)
+    discs = vision.find_coins(image)
+    measured = vision.measure(camera, discs)
     centres = np.array([[part.x, part.y] for part in measured]).reshape(-1, 2)
     diameters = np.array([part.diameter for part in measured])
+    _refuse_huge(centres, diameters, f"{place_in(path, 'camera', 'points')}: by these points")
     if cell.parts.layout is not None:
         centres, diameters = _layout(_read_layout(cell.parts.layout), camera, discs)
+        _refuse_huge(centres, diameters, str(cell.parts.layout))
+    from holonom.vision.opencv import cv2
+
     png = cv2.imencode(".png", image)[1].tobytes()
     return Seen(camera, discs, measured, centres, diameters, png, (image.shape[1], image.shape[0]))
 
 
+def _refuse_huge(centres: Array, diameters: Array, place: str) -> None:
+    """Raise `CellError` at a part that is no part of any cell."""
+    wrong = ~((diameters > SMALLEST) & (diameters < LARGEST) & (np.abs(centres) < FARTHEST).all(axis=1))
+    if wrong.any():
+        k = int(np.flatnonzero(wrong)[0])
+        x, y = centres[k]
+        raise CellError(
+            f"{place}: part {k + 1} has a diameter of {diameters[k]:.3g} m and lies at {x:.3g}, {y:.3g} m; parts of "
+            f"{1e3 * SMALLEST:g} mm to {LARGEST:g} m within {FARTHEST:g} m are allowed"
+        )
+
+
 def calibrate(camera: Camera, path: Path) -> TableCamera:
     """Fit the camera to the cell's calibration points."""
+    from holonom import vision
+
     pixels = np.array([point.pixel for point in camera.points], dtype=float)
     table = np.array([point.table for point in camera.points], dtype=float)
     try:
-        return fit_homography(pixels, table)
+        return vision.fit_homography(pixels, table)
     except CalibrationError as problem:
         raise CellError(f"{place_in(path, 'camera', 'points')}: {problem}") from problem
 
 
 def parts_for(hand: GripperTool, cell: Cell, seen: Seen) -> tuple[Part, ...]:
     """Tool poses in the world with which a hand grasps the parts (z down, fingers closing along y), and features."""
+    from holonom import vision
+
     assert cell.parts is not None
     T_w_table = placement_pose(cell.surface[0].pose)
     centres = np.array([[part.x, part.y] for part in seen.measured]).reshape(-1, 2)
-    angles = grasp_angles(
+    angles = vision.grasp_angles(
         centres,
         np.array([part.diameter for part in seen.measured]),
         opening=hand.opening,
@@ -143,8 +165,10 @@ def _photographed(cell: Cell, seen: Seen | None) -> list[SimulatedDisc]:
 
 def _layout(rows: Array, camera: TableCamera, discs: tuple[Disc, ...]) -> tuple[Array, Array]:
     """Centres (k, 2) and diameters (k,) on the surface (m) of rows u, v, diameter (px), in the order of the discs."""
-    centres = to_table(camera, rows[:, :2])
-    step = to_table(camera, rows[:, :2] + np.array([1.0, 0.0])) - centres
+    from holonom import vision
+
+    centres = vision.to_table(camera, rows[:, :2])
+    step = vision.to_table(camera, rows[:, :2] + np.array([1.0, 0.0])) - centres
     found = np.array([[disc.u, disc.v] for disc in discs]).reshape(-1, 2)
     apart = np.linalg.norm(rows[:, None, :2] - found[None], axis=-1)
     number = apart.argmin(axis=1) if len(found) else np.zeros(len(rows))
@@ -153,25 +177,33 @@ def _layout(rows: Array, camera: TableCamera, discs: tuple[Disc, ...]) -> tuple[
 
 
 def _read_layout(path: Path) -> Array:
-    with path.open(newline="", encoding="utf-8") as file:
-        reader = csv.DictReader(file)
-        try:
-            rows = [[float(row[key]) for key in ("u", "v", "diameter")] for row in reader]
-        except (KeyError, TypeError, ValueError, UnicodeDecodeError) as problem:
-            raise CellError(
-                f"{path}:{reader.line_num}: {problem} is missing or no number; a layout has the columns u,v,diameter"
-            ) from None
+    """Rows (k, 3) of u, v and diameter, px."""
+    text = read_text(path, "layout", CellError)
+    check_lines(text, path, CellError, most=ROWS)
+    reader = csv.DictReader(text.split("\n"), strict=True)
+    try:
+        rows = [[float(row[key]) for key in ("u", "v", "diameter")] for row in reader]
+    except (KeyError, TypeError, ValueError, csv.Error):
+        raise CellError(
+            f"{path}:{max(1, reader.line_num)}: a value is missing or no number; a layout has the columns u,v,diameter"
+        ) from None
     found = np.array(rows).reshape(-1, 3)
-    if not np.isfinite(found).all() or (found[:, 2] <= 0.0).any():
-        raise CellError(f"{path}: u and v must be finite and diameters positive")
+    wrong = ~(np.isfinite(found).all(axis=1) & (np.abs(found) < PIXELS).all(axis=1) & (found[:, 2] > 0.0))
+    if wrong.any():
+        raise CellError(
+            f"{path}: part {int(np.flatnonzero(wrong)[0]) + 1}: u and v must be finite and diameters positive, all "
+            f"below {PIXELS:g} px"
+        )
     return found
 
 
 def pixel_axes(camera: TableCamera, centre: Array) -> tuple[Array, Array]:
     """Pixel of a surface point (2,) and pixels per metre along the surface's x and y there, (2, 2)."""
+    from holonom import vision
+
     h = 1e-4
     points = centre + np.array([[0.0, 0.0], [h, 0.0], [0.0, h]])
-    uv = to_pixel(camera, points)
+    uv = vision.to_pixel(camera, points)
     return uv[0], ((uv[1:] - uv[0]) / h).T
 
 

@@ -9,7 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from holonom.arrays import Array
-from holonom.errors import MotionError
+from holonom.errors import MotionError, ProgramError
+from holonom.files import read_text
 from holonom.lang import Configuration, Program
 from holonom.lang.program import Operand
 from holonom.machine import branch_joints
@@ -85,7 +86,8 @@ def _lines(file: Path) -> dict[str, str]:
     """Where a location file teaches each name: ":12"."""
     if not file.is_file():
         return {}
-    heads = [line.partition(";")[0].partition("=")[0] for line in file.read_text(encoding="utf-8").splitlines()]
+    text = read_text(file, "locations", ProgramError)
+    heads = [line.partition(";")[0].partition("=")[0] for line in text.split("\n")]
     return {re.sub(r"\s", "", head).lower(): f":{number}" for number, head in enumerate(heads, start=1)}
 
 

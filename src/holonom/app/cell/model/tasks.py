@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Annotated, Any
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, Strict, ValidationInfo, field_validator, model_validator
 
-from holonom.app.fields.quantities import Angle, Count, File, OneOf, Quantity, Section, Size, Text, Vector2
+from holonom.app.fields.quantities import Angle, Count, OneOf, OwnFile, Quantity, Section, Size, Text, Vector2
 from holonom.errors import CellError
 from holonom.machine.base.paths import HEADINGS, PATHS
 from holonom.machine.base.settings import KEEP
@@ -34,9 +34,9 @@ Moment = Annotated[float, Quantity("time", "0ms", "1440min")]
 class ProgramTable(Section):
     """The robot program."""
 
-    file: File
+    file: OwnFile
     """ARPS file, relative to the cell file"""
-    locations: File | None = None
+    locations: Annotated[OwnFile | None, Field(validate_default=True)] = None
     """file of taught locations, relative to the cell file"""
     entry: Text | None = None
     """program to start, the first of the file unless given"""
@@ -45,6 +45,16 @@ class ProgramTable(Section):
     @classmethod
     def _of_a_name(cls, given: Any) -> Any:
         return {"file": given} if isinstance(given, str) else given
+
+    @field_validator("locations", mode="before")
+    @classmethod
+    def _beside(cls, given: Any, info: ValidationInfo) -> Any:
+        """Take the file beside the program unless another one is given; it is confined as that one is."""
+        program = info.data.get("file")
+        beside = None if program is None else program.with_suffix(".loc")
+        if given is not None or beside is None or not beside.is_file():
+            return given
+        return str(beside.relative_to((info.context or {}).get("folder", ".")))
 
 
 class PathTable(Section):

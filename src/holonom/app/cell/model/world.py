@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import Field, Strict, ValidationInfo, field_validator, model_validator
 
 from holonom.app.cell.model.places import Placement
-from holonom.app.fields.quantities import Angle, Colour, Count, File, Pixel, Quantity, Section, Size, Text, Vector2
+from holonom.app.fields.quantities import Angle, Colour, Count, OwnFile, Pixel, Quantity, Section, Size, Text, Vector2
 from holonom.errors import CellError, OutOfLimits
 
 __all__ = [
@@ -110,7 +110,7 @@ class Parts(Section):
     """density of their material"""
     grasp_height: Annotated[float, Quantity("length", "0mm", "1m")]
     """height of the finger tips above the table when they grasp a part"""
-    layout: File | None = None
+    layout: OwnFile | None = None
     """where the simulated parts truly lie: CSV with u, v, diameter in px; where the camera sees them unless given"""
 
     @field_validator("grasp_height")
@@ -136,7 +136,7 @@ class Calibration(Section):
 class Camera(Section):
     """The camera over a surface, the first one of the cell."""
 
-    photograph: File
+    photograph: OwnFile
     """image file, relative to the cell file"""
     points: Annotated[tuple[Calibration, ...], Field(min_length=4)]
     """calibration points, four or more, not on one line"""

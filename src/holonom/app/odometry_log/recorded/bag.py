@@ -12,20 +12,17 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from mcap.exceptions import McapError
-from mcap.reader import make_reader
 from mcap.well_known import MessageEncoding
-from zstandard import ZstdError
 
 from holonom.app.recording.format.cdr import ENCAPSULATION
-from holonom.errors import LogError
+from holonom.app.recording.format.pieces import read_pieces
+from holonom.app.recording.format.topic_messages import Messages, Stream
+from holonom.errors import InputError, LogError
 
-__all__ = ["BAGS", "DAMAGED", "Message", "is_bag", "messages_of"]
+__all__ = ["BAGS", "DAMAGED", "Message", "is_bag", "lost_of", "messages_of"]
 
 BAGS = (".mcap", ".db3")
 DAMAGED = (
-    McapError,
-    ZstdError,
     struct.error,
     ValueError,
     KeyError,
@@ -81,10 +78,28 @@ Raw = tuple[str, str, str, bytes]
 
 
 def _mcap(path: Path) -> Iterator[Raw]:
-    with path.open("rb") as stream:
-        for schema, channel, message in make_reader(stream).iter_messages():
-            kind = "" if schema is None else schema.name.replace("/msg/", "/")
-            yield kind, channel.topic, channel.message_encoding, message.data
+    """Of a damaged or cut file what is sound; `lost_of` says what is not."""
+    found: list[Raw] = []
+
+    def take(stream: Stream, messages: Messages) -> None:
+        found.extend((stream.type, stream.topic, str(MessageEncoding.CDR), message) for message in messages)
+
+    try:
+        read_pieces(path, take)
+    except InputError as error:
+        raise LogError(str(error)) from None
+    yield from found
+
+
+def lost_of(path: Path) -> list[str]:
+    """What of the MCAP files of a recording cannot be read, a sentence each."""
+    files = _files(path) if path.is_dir() else [path]
+    return [
+        f"{file} is damaged or cut off, missing is {missing.text()}"
+        for file in files
+        if file.suffix == ".mcap"
+        for missing in read_pieces(file, lambda stream, messages: None).missing
+    ]
 
 
 def _database(path: Path) -> Iterator[Raw]:

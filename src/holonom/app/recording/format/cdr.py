@@ -98,6 +98,18 @@ class CdrWriter:
         self._data += struct.pack("<I", value)
         return self
 
+    def float32(self, value: float) -> CdrWriter:
+        """A number of 32 bits."""
+        self._align(4)
+        self._data += struct.pack("<f", value)
+        return self
+
+    def blob(self, value: bytes) -> CdrWriter:
+        """Bytes, after their count."""
+        self.uint32(len(value))
+        self._data += value
+        return self
+
     def text(self, value: str) -> CdrWriter:
         """A string: its length in bytes with the closing zero, then the bytes."""
         encoded = value.encode() + b"\0"
@@ -138,7 +150,7 @@ class CdrWriter:
 
 
 class CdrReader:
-    """Walks through one message; the counterpart of `CdrWriter`."""
+    """Walks through one message; the counterpart of `CdrWriter`. What reaches beyond its end is a `ValueError`."""
 
     __slots__ = ("_at", "_data")
 
@@ -148,36 +160,41 @@ class CdrReader:
 
     def byte(self) -> int:
         """One byte."""
-        self._at += 1
-        return self._data[self._at - 1]
+        return self._taken(1)[0]
 
     def uint32(self) -> int:
         """A 32-bit unsigned number."""
         self._align(4)
-        self._at += 4
-        return int.from_bytes(self._data[self._at - 4 : self._at], "little")
+        return int.from_bytes(self._taken(4), "little")
 
     def text(self) -> str:
         """A string."""
-        size = self.uint32()
-        self._at += size
-        return self._data[self._at - size : self._at - 1].decode()
+        return self._taken(self.uint32())[:-1].decode()
 
     def stamp(self) -> int:
         """A time stamp in nanoseconds."""
         return self.uint32() * _SECOND + self.uint32()
 
+    def blob(self) -> bytes:
+        """Bytes, after their count."""
+        return self._taken(self.uint32())
+
     def doubles(self, count: int) -> NDArray[np.float64]:
         """`count` doubles, (count,)."""
         self._align(8)
-        self._at += 8 * count
-        return np.frombuffer(self._data, dtype="<f8", count=count, offset=self._at - 8 * count)
+        return np.frombuffer(self._taken(8 * count), dtype="<f8", count=count)
 
     def skip_doubles(self, count: int) -> None:
         """Pass over `count` doubles."""
         if count:
             self._align(8)
-            self._at += 8 * count
+            self._taken(8 * count)
+
+    def _taken(self, size: int) -> bytes:
+        self._at += size
+        if self._at > len(self._data):
+            raise ValueError(f"it has {len(self._data)} bytes and says that it has {self._at} or more")
+        return self._data[self._at - size : self._at]
 
     def _align(self, size: int) -> None:
         self._at += -self._at % size

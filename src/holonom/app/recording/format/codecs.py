@@ -9,19 +9,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from holonom.app.recording.format.cdr import ENCAPSULATION, CdrWriter, Layout
+from holonom.app.recording.format.cdr import ENCAPSULATION, CdrReader, CdrWriter, Layout
 from holonom.app.recording.format.messages import (
     BASE,
     WORLD,
     JointMessage,
     array_layout,
     array_size,
+    image_message,
     inertial_layout,
     inertial_plane,
     inertial_values,
     joint_layout,
     joint_message,
     log_message,
+    marker_message,
     odometry_frames,
     odometry_layout,
     odometry_plane,
@@ -71,7 +73,7 @@ def groups_of(given: Messages, kind_of: Callable[[bytes], Any], layout_of: Calla
             layout = layout_of(kind)
             same = layout.matches(rows)
             if not same[0]:
-                raise ValueError("it is not laid out as its type is")
+                raise ValueError("its bytes are others than its counts say")
             groups.append(Group(kind, times[at[same]], layout.unpack(rows[same])))
             at, rows = at[~same], rows[~same]
     return groups
@@ -201,24 +203,46 @@ def _flag_track(topic: Topic, given: Messages) -> Track:
     return Track(given.seconds(), {topic.fields[0]: on})
 
 
+def _string(topic: Topic, scope: Scope) -> Encode:
+    (field,) = topic.fields
+    return lambda now, record: CdrWriter().text(getattr(record, field)).message()
+
+
+def _string_track(topic: Topic, given: Messages) -> Track:
+    texts = [CdrReader(message).text() for message in given]
+    return Track(given.seconds(), {topic.fields[0]: np.array(texts, dtype=object)})
+
+
+def _image(topic: Topic, scope: Scope) -> Encode:
+    return lambda now, record: image_message(now, topic.frame, record)
+
+
+def _markers(topic: Topic, scope: Scope) -> Encode:
+    return lambda now, record: marker_message(now, record.markers)
+
+
 def _log(topic: Topic, scope: Scope) -> Encode:
     return lambda now, event: log_message(now, replace(event, source=scope.dotted(event.source)))
 
 
-def _log_track(topic: Topic, given: Messages) -> Track:
+def _times(topic: Topic, given: Messages) -> Track:
+    """When they came; what is in them is read elsewhere, or not at all."""
     return Track(given.seconds(), {})
 
 
 CODECS: Mapping[str, Codec] = {
     "geometry_msgs/PoseStamped": Codec(_pose, _pose_track),
     "nav_msgs/Odometry": Codec(_odometry, _odometry_track),
-    "rcl_interfaces/Log": Codec(_log, _log_track),
+    "rcl_interfaces/Log": Codec(_log, _times),
+    "sensor_msgs/CompressedImage": Codec(_image, _times),
     "sensor_msgs/Imu": Codec(_inertial, _inertial_track),
     "sensor_msgs/JointState": Codec(_joints, _joint_track),
     "std_msgs/Bool": Codec(_flag, _flag_track),
     "std_msgs/Float64": Codec(_number, _number_track),
     "std_msgs/Float64MultiArray": Codec(_axes, _axes_track),
     "std_msgs/Int64MultiArray": Codec(_counts, _count_track),
+    "std_msgs/String": Codec(_string, _string_track),
     "tf2_msgs/TFMessage": Codec(_transforms, _transform_track),
+    "visualization_msgs/MarkerArray": Codec(_markers, _times),
 }
 """What a topic's type is written and read by."""

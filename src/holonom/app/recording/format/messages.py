@@ -11,7 +11,7 @@ import numpy as np
 from holonom.app.recording.format.cdr import CdrReader, CdrWriter, Layout
 from holonom.app.recording.format.kernels import fill_pose_rows
 from holonom.arrays import Array
-from holonom.signals import Event
+from holonom.signals import Event, Marker, Photograph
 
 __all__ = [
     "LEVELS",
@@ -19,6 +19,7 @@ __all__ = [
     "JointMessage",
     "array_layout",
     "array_size",
+    "image_message",
     "inertial_layout",
     "inertial_plane",
     "inertial_values",
@@ -26,6 +27,7 @@ __all__ = [
     "joint_message",
     "log_event",
     "log_message",
+    "marker_message",
     "odometry_frames",
     "odometry_layout",
     "odometry_plane",
@@ -43,6 +45,8 @@ _PLANE = np.array([0, 1, 5])
 """x, y and turning about z among the six of a ROS pose or twist."""
 _COVARIANCE, _TWIST = (7 + 6 * _PLANE[:, None] + _PLANE).ravel(), 43 + _PLANE
 """Their places among the numbers of a nav_msgs/Odometry."""
+MARKERS = {"cube": 1, "cylinder": 3}
+"""Types of visualization_msgs/Marker."""
 LEVELS = {"debug": 10, "info": 20, "warning": 30, "error": 40}
 
 
@@ -98,7 +102,10 @@ def array_size(message: bytes) -> int:
     data = CdrReader(message)
     data.uint32()
     data.text()
-    return data.uint32()
+    size = data.uint32()
+    if 8 * size > len(message):
+        raise ValueError(f"it has {len(message)} bytes and says that it holds {size} numbers")
+    return size
 
 
 def transform_layout(frames: Sequence[tuple[str, str]]) -> Layout:
@@ -189,18 +196,40 @@ def inertial_values(rate: float, acceleration: Array) -> Array:
 def log_message(nanoseconds: int, event: Event) -> bytes:
     """rcl_interfaces/Log; the text ends with the program line, where there is one."""
     out = CdrWriter().stamp(nanoseconds).byte(LEVELS[event.level]).text(event.source)
-    return out.text(event.text + _line_note(event.line)).text("").text("").uint32(event.line).message()
+    return out.text(event.text + _line_note(event.line)).text(event.file).text("").uint32(event.line).message()
 
 
 def log_event(message: bytes) -> Event:
     """Event that `log_message` wrote."""
     data = CdrReader(message)
     nanoseconds, number, source, text = data.stamp(), data.byte(), data.text(), data.text()
-    data.text()
+    file = data.text()
     data.text()
     line = data.uint32()
-    level = next(name for name, value in LEVELS.items() if value == number)
-    return Event(nanoseconds / 1e9, level, source, text.removesuffix(_line_note(line)), line)
+    level = next((name for name, value in reversed(LEVELS.items()) if value <= number), "debug")
+    return Event(nanoseconds / 1e9, level, source, text.removesuffix(_line_note(line)), line, file)
+
+
+def image_message(nanoseconds: int, frame: str, image: Photograph) -> bytes:
+    """sensor_msgs/CompressedImage."""
+    return CdrWriter().stamp(nanoseconds).text(frame).text(image.format).blob(image.data).message()
+
+
+def marker_message(nanoseconds: int, markers: Sequence[Marker]) -> bytes:
+    """visualization_msgs/MarkerArray of markers that stay, each fixed in its frame."""
+    out = CdrWriter().uint32(len(markers))
+    for number, marker in enumerate(markers):
+        out.stamp().text(marker.frame).text(marker.shape).uint32(number).uint32(MARKERS[marker.shape]).uint32(0)
+        out.doubles(7 + 3)
+        for part in marker.colour:
+            out.float32(part)
+        out.uint32(0).uint32(0).byte(1)  # no end of its life; it goes along with its frame
+        out.uint32(0).uint32(0).text("")  # points, colours, texture: its name, stamp, frame, format and bytes
+        out.uint32(0).uint32(0).text("").text("").blob(b"")
+        out.uint32(0).text(marker.frame).text("").text("").blob(b"").byte(0)
+    poses = pose_rows(np.array([marker.pose for marker in markers]).reshape(-1, 4, 4))
+    sizes = np.array([marker.size for marker in markers]).reshape(-1, 3)
+    return out.layout().pack(nanoseconds, np.hstack([poses, sizes]))
 
 
 def _line_note(line: int) -> str:

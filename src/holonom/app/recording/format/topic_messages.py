@@ -4,11 +4,21 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Messages"]
+__all__ = ["Messages", "Stream"]
+
+
+class Stream(NamedTuple):
+    """What a file says of a channel; kind and robot are "" in files that say none, `type` is that of its messages."""
+
+    topic: str
+    kind: str
+    robot: str
+    type: str = ""
 
 
 class Messages:
@@ -48,6 +58,13 @@ class Messages:
         """Forget them."""
         self._data = bytearray()
         self._sizes, self._times = array("q"), array("q")
+
+    def halves(self) -> tuple[Messages, Messages]:
+        """The first and the second half of them."""
+        parts = Messages(), Messages()
+        for k, (time, message) in enumerate(zip(self._times, self, strict=True)):
+            parts[2 * k >= len(self)].add(time, message)
+        return parts
 
     def seconds(self) -> NDArray[np.float64]:
         """Times (N,), s."""

@@ -22,6 +22,8 @@ REPLAY_RATE = 50.0
 REPLAY_POSES = 400_000
 """Poses of all frames together; the replay of a long run has fewer per second."""
 SLOWEST_RATE = 1.0
+MOST_POSES = 10 * REPLAY_POSES
+"""However long a recording is, or says that it is."""
 CURVE_SAMPLES = 8_000
 """Longer curves are thinned to so many samples: the least and the largest of each stretch."""
 
@@ -54,7 +56,8 @@ def replay_rate(recording: Recording, scene: Scene) -> float:
     """Poses per second in the page: `REPLAY_RATE`, less for a long run with many frames."""
     moving = sum(name in recording.frames for name in scene.frames())
     poses = recording.end() * max(moving, 1) * REPLAY_RATE
-    return REPLAY_RATE if poses <= REPLAY_POSES else max(REPLAY_RATE * REPLAY_POSES / poses, SLOWEST_RATE)
+    wanted = REPLAY_RATE * min(1.0, REPLAY_POSES / max(poses, 1.0))
+    return min(max(wanted, SLOWEST_RATE), REPLAY_RATE * MOST_POSES / max(poses, 1.0), REPLAY_RATE)
 
 
 def add_frames(blob: Blob, recording: Recording, scene: Scene, rate: float) -> int:

@@ -10,14 +10,15 @@ from typing import Any
 import numpy as np
 
 from holonom.app.report.drawing.scene import Box, Disc, Label, Scene, Shape, Tube, View
+from holonom.arrays import Array
 from holonom.errors import InputError
 
 __all__ = ["scene_json", "scene_of", "scene_text"]
 
 SHAPES: Mapping[str, type[Any]] = {kind.__name__.lower(): kind for kind in (Tube, Box, Disc, Label)}
-ARRAYS = ("pose", "pixel", "pixel_axes")
-"""Fields of shapes that are arrays."""
-POINTS = ("start", "end", "size")
+SHAPE_OF = {"pose": (4, 4), "pixel": (2,), "pixel_axes": (2, 2)}
+"""Fields of shapes that are arrays; then points, texts and flags; all others are numbers."""
+POINTS, TEXTS, FLAGS = ("start", "end", "size"), ("frame", "colour", "text"), ("rounded",)
 
 
 def scene_json(scene: Scene) -> dict[str, Any]:
@@ -46,10 +47,13 @@ def scene_of(text: bytes) -> Scene:
     """
     try:
         stated = json.loads(text)
-        views = tuple(View(v["name"], _point(v["eye"]), _point(v["target"]), v["follow"]) for v in stated["views"])
+        views = tuple(
+            View(_text(v["name"]), _point(v["eye"]), _point(v["target"]), v["follow"] and _text(v["follow"]))
+            for v in stated["views"]
+        )
         shapes = tuple(_shape(shape) for shape in stated["shapes"])
-        return Scene(shapes, views, str(stated["tool"]), float(stated["trail"]), float(stated["extent"]))
-    except (KeyError, TypeError, ValueError) as error:
+        return Scene(shapes, views, _text(stated["tool"]), float(stated["trail"]), float(stated["extent"]))
+    except (KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
         raise InputError(f"the recording's scene.json cannot be read ({error!r}); record it again") from None
 
 
@@ -65,11 +69,29 @@ def _shape(stated: Mapping[str, Any]) -> Shape:
 
 
 def _value(name: str, value: Any) -> Any:
-    if value is not None and name in ARRAYS:
-        return np.array(value, dtype=np.float64)
-    return _point(value) if name in POINTS else value
+    if value is None:
+        return None
+    if name in SHAPE_OF:
+        return _finite(np.array(value, dtype=np.float64).reshape(SHAPE_OF[name]))
+    if name in POINTS:
+        return _point(value)
+    if name in TEXTS:
+        return _text(value)
+    return bool(value) if name in FLAGS else float(_finite(np.array(value, dtype=np.float64).reshape(())))
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"{type(value).__name__} came; text is expected")
+    return value
+
+
+def _finite(values: Array) -> Array:
+    if not np.isfinite(values).all():
+        raise ValueError("a number that is not finite")
+    return values
 
 
 def _point(value: Any) -> tuple[float, float, float]:
-    x, y, z = (float(number) for number in value)
+    x, y, z = _finite(np.array(value, dtype=np.float64).reshape(3)).tolist()
     return x, y, z

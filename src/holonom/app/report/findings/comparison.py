@@ -14,6 +14,8 @@ __all__ = ["ComparedRun", "Comparison", "Phase", "comparison_html", "phase_error
 
 _COLOURS = ("#d9480f", "#0b7285", "#5f3dc4", "#2b8a3e")
 _SIDE = 300.0
+LEAST = 1e-3
+"""m of a path that is drawn as large as any, so that a run in which nothing moves is drawn, too."""
 """Side of a drawing, in its own units."""
 
 
@@ -97,7 +99,7 @@ def _phase_drawings(comparison: Comparison, index: int) -> Html:
     desired = np.concatenate([part[0] for part in parts])
     plane = _drawing_plane(desired)
     flat = (desired - desired.mean(axis=0)) @ plane.T
-    extent = float(np.ptp(flat, axis=0).max())
+    extent = max(float(np.ptp(flat, axis=0).max()), LEAST)
     worst = max(float(np.linalg.norm((actual - wanted) @ plane.T, axis=1).max()) for wanted, actual in parts)
     gain = _round_down(0.12 * extent / worst) if worst > 0 else 1.0
     centre = (flat.max(axis=0) + flat.min(axis=0)) / 2 + desired.mean(axis=0) @ plane.T

@@ -30,4 +30,5 @@ def rebased(recording: Recording) -> Recording:
         tree={name: moved(track) for name, track in recording.tree.items()},
         signals=tuple(map(moved, recording.signals)),
         events=tuple(map(moved, recording.events)),
+        missing=tuple(missing.moved(-start) for missing in recording.missing),
     )

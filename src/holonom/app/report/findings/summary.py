@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import asdict
 from typing import Any
 
@@ -25,13 +26,21 @@ SLIDES = {**TURNS, "speed": "m_s", "torque": "N"}
 
 def summary_of(source: Source) -> dict[str, Any]:
     """The run: of one robot all in one table, of several a table for each under "robots"."""
-    of = {"arm": arm_summary, "base": base_summary}
     head = _head(source)
     if source.alone:
-        robot = source.robots[0]
-        return head | of[robot.facts.kind](source, robot)
+        return head | _robot(source, source.robots[0])
     parts = _parts(source) if source.cell.parts else {}
-    return head | parts | {"robots": {robot.name: of[robot.facts.kind](source, robot) for robot in source.robots}}
+    return head | parts | {"robots": {robot.name: _robot(source, robot) for robot in source.robots}}
+
+
+def _robot(source: Source, robot: RobotSource) -> dict[str, Any]:
+    """What came of a robot; where that cannot be told, why not: how the run ended is not lost with it."""
+    try:
+        found = {"arm": arm_summary, "base": base_summary}[robot.facts.kind](source, robot)
+        json.dumps(found, allow_nan=False)
+    except Exception as error:  # whatever it is
+        return {"model": robot.facts.model, "untold": f"{type(error).__name__}: {error}".splitlines()[0]}
+    return found
 
 
 def arm_summary(source: Source, robot: RobotSource) -> dict[str, Any]:
@@ -81,6 +90,7 @@ def _head(source: Source) -> dict[str, Any]:
         "failure": None if ending.status in GOOD else ending.reason,
         "simulated_time_s": ending.simulated_time,
         "notes": list(source.cell.notes),
+        "missing": list(source.lost),
     }
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from holonom.app.console.printable import one_line
 from holonom.app.report.source import Source
 
 __all__ = ["summary_lines"]
@@ -17,17 +18,19 @@ def summary_lines(source: Source, summary: Mapping[str, Any]) -> list[str]:
     """Say how it ended, where parts lie, and what came of each robot; `summary` as `summary_of` gives it."""
     ending = source.ending
     after = f" after {ending.simulated_time:.1f} s of simulated time" if ending.status in ("done", "paused") else ""
-    lines = [f"{summary['cell']}: {ending.reason}{after}"]
+    lines = [f"{one_line(summary['cell'])}: {ending.reason}{after}"]
     if summary.get("parts") and summary["placed"]:
-        fields = ", ".join(f"{count} {name}" for name, count in summary["placed"].items())
+        fields = ", ".join(f"{count} {one_line(name)}" for name, count in summary["placed"].items())
         lines.append(f"{sum(summary['placed'].values())} of {summary['parts']} parts in the tray: {fields}")
     for name, robot in summary.get("robots", {"": summary}).items():
-        lines += [f"{name}: {line}" if name else line for line in _robot(robot)]
-    return [*lines, *(f"note: {note}" for note in summary["notes"])]
+        lines += [one_line(f"{name}: {line}" if name else line) for line in _robot(robot)]
+    lost = _some([f"missing from the recording: {text}" for text in source.lost])
+    return [*lines, *map(one_line, lost), *(one_line(f"note: {note}") for note in summary["notes"])]
 
 
 def _robot(robot: Mapping[str, Any]) -> list[str]:
     sorts = (
+        [f"what came of it cannot be told ({robot['untold']})"] if "untold" in robot else [],
         [_tracking(phase) for phase in robot.get("tracking") or ()],
         [_slip(slip) for slip in robot.get("slips", ())],
         [_motor(motor) for motor in robot.get("dead_motors", ())],
