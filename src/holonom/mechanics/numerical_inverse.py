@@ -25,7 +25,7 @@ from holonom.trace import check_threads, share
 if TYPE_CHECKING:
     from holonom.mechanics.loops.solver import Chain, Search
 
-__all__ = ["InverseResult", "InverseSolver", "InverseStatus", "inverse_solver", "solve_inverse"]
+__all__ = ["InverseResult", "InverseSolver", "InverseStatus", "free_turns", "inverse_solver", "solve_inverse"]
 
 FAR = 20.0
 """Width of limits over the arm's reach (half a turn) up to which they say where a joint may be found."""
@@ -306,7 +306,7 @@ def _chain(arm: SolvedArm, limits: bool) -> Chain:
         low,
         high - low,
         _strides(n),
-        np.where(_whole_turns(arm.model), 2.0 * math.pi, 0.0),
+        np.where(free_turns(arm.model), 2.0 * math.pi, 0.0),
         np.array(turning, dtype=float),
     )
 
@@ -318,8 +318,8 @@ def _box(lower: Array, upper: Array, scale: Array) -> tuple[Array, Array]:
     return low, np.where(wide, np.minimum(upper, low + 2.0 * scale), upper)
 
 
-def _whole_turns(model: ArmModel) -> list[bool]:
-    """Whether a whole turn of a joint changes nothing: it is revolute, and no other joint follows it."""
+def free_turns(model: ArmModel) -> list[bool]:
+    """Whether a whole turn of a joint changes nothing: it is revolute, and no other joint follows it; of each in q."""
     led = {joint.mimic.joint for joint in model.joints if joint.mimic is not None}
     return [model.joints[i].turns and i not in led for i in model.independent]
 

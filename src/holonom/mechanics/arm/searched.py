@@ -19,7 +19,7 @@ from holonom.mechanics.arm.members import Reference, pulled
 from holonom.mechanics.arm.nearest import joint_vectors, joint_weights
 from holonom.mechanics.kernels.inverse.result import IkNearest, IkStatus
 from holonom.mechanics.kernels.protocol import SolvedArm
-from holonom.mechanics.numerical_inverse import InverseResult, InverseStatus, solve_inverse
+from holonom.mechanics.numerical_inverse import InverseResult, InverseStatus, free_turns, solve_inverse
 from holonom.spatial import check_pose
 
 __all__ = ["Searched"]
@@ -47,7 +47,7 @@ class Searched:
 
     def __init__(self, arm: SolvedArm) -> None:
         self._arm, self._limits = arm, arm.limits
-        self._turns = np.where([arm.model.joints[i].turns for i in arm.model.independent], 2.0 * np.pi, 0.0)
+        self._turns = np.where(free_turns(arm.model), 2.0 * np.pi, 0.0)
 
     def take(self, T: ArrayLike, q0: ArrayLike, weights: ArrayLike | None, threads: int) -> IkNearest:
         """Arguments, result and errors as for `Arm.ik_nearest`."""
