@@ -196,5 +196,5 @@ def test_files_named_on_the_page_of_methods_exist() -> None:
 def test_doctor_knows_every_extra() -> None:
     extras = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
     assert set(EXTRAS) == set(extras) - {"all"}
-    for name, modules in EXTRAS.items():
-        assert set(modules.values()) <= {re.split("[>=;]", need)[0] for need in extras[name]}, name
+    for name, extra in EXTRAS.items():
+        assert set(extra.modules.values()) <= {re.split("[>=;]", need)[0] for need in extras[name]}, name

@@ -71,7 +71,7 @@ def test_bad_input() -> None:
 
 def test_without_ruckig_the_extra_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "ruckig", None)
-    with pytest.raises(InputError, match=r"holonom\[motion\]"):
+    with pytest.raises(InputError, match=r"pip install -e '\.\[motion\]'"):
         plan_transfer((np.zeros(3),), (np.ones(3),), LIMITS, jerk=JERK)
 
 

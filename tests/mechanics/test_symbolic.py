@@ -166,7 +166,7 @@ def test_bad_requests_say_what_there_is():
 
 def test_without_sympy_the_extra_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "sympy", None)
-    with pytest.raises(InputError, match=r"holonom\[symbolic\]"):
+    with pytest.raises(InputError, match=r"pip install -e '\.\[symbolic\]'"):
         formulas(planar())
 
 
