@@ -28,6 +28,8 @@ STEP, WAY = 0.1, 14.0
 """Step along a curve of solutions and the way followed each side: over two turns (of its fastest joint, rad or m)."""
 SAME, NEAR = 1e-7, 0.3
 """Distance up to which the descent's member is the reference itself, and up to which no curve is followed."""
+DAMPING = 0.03
+"""Of steps to a target, per square of the error."""
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
@@ -112,6 +114,15 @@ def pulled(arm: SolvedArm, T: Array, q: Array, to: Reference, rounds: int = ROUN
     return sets.best([q, sets.pulled(q, rounds)])
 
 
+def approached(arm: SolvedArm, T: Array, q: Array, to: Reference) -> tuple[Array, NDArray[np.bool_]]:
+    """The nearest of solutions q (N, n) and of those that steps from the reference lead to, and where J is singular."""
+    sets = _Sets(arm, T, to)
+    near = sets.approached(to.start)
+    found = sets.best([near, sets.pulled(to.start), sets.pulled(near), q])
+    found = np.where(sets.missed(found)[:, None], q, found)
+    return found, sets.smallest(found) < FREE
+
+
 class _Sets:
     """The solution sets of targets (N, 4, 4) or (N, 3), a row each."""
 
@@ -150,6 +161,24 @@ class _Sets:
         step = (shares[:, None, :] @ Vt[:, :k])[:, 0] / self.scale
         kept = np.where(held[..., None], Vt[:, :k], 0.0)
         return step, np.eye(q.shape[-1]) - np.swapaxes(kept, -1, -2) @ kept
+
+    def smallest(self, q: Array) -> Array:
+        """Smallest singular value of the task's Jacobian (N,)."""
+        return np.asarray(np.linalg.svd(self.arm.jacobian(q)[:, : self.task], compute_uv=False)[:, -1])
+
+    def approached(self, q: Array) -> Array:
+        """Levenberg-Marquardt steps to the target, damped by the square of the error (Chan & Lawrence 1988)."""
+        eye = np.eye(self.task)
+        for _ in range(ROUNDS):
+            error = pose_error(self.arm.fk(q), self.T, self.task)
+            J = self.arm.jacobian(q)[:, : self.task] / self.scale
+            damping = DAMPING * (error**2).sum(-1)[:, None, None] + 1e-14
+            JT = np.swapaxes(J, -1, -2)
+            step = _clipped((JT @ np.linalg.solve(J @ JT + damping * eye, error[..., None]))[..., 0] / self.scale)
+            q = q + step
+            if np.abs(step).max(initial=0.0) < 1e-13:
+                break
+        return self.corrected(q)
 
     def pulled(self, q: Array, rounds: int = ROUNDS) -> Array:
         """Descent to the reference along the free directions."""

@@ -11,12 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.arrays import Array, angles, real_array
 from holonom.errors import NotAPose, ShapeError
-from holonom.mechanics.arm.members import Reference, nearest_members, whole_turns
-from holonom.mechanics.kernels.inverse.geometry import REACHED, pose_error
+from holonom.mechanics.arm.members import Reference, approached, nearest_members, whole_turns
+from holonom.mechanics.kernels.inverse.geometry import pose_error
 from holonom.mechanics.kernels.inverse.result import IkNearest, IkResult, IkStatus
 from holonom.mechanics.kernels.protocol import SolvedArm
-from holonom.mechanics.loops.nearest import NEAR, STATUSES, nearest_of_rows, nearest_point, nearest_pose
-from holonom.model import outside
+from holonom.mechanics.loops.nearest import NEAR, STATUSES, STEEP, nearest_of_rows, nearest_point, nearest_pose
 from holonom.spatial import check_pose
 from holonom.trace import check_threads, share
 
@@ -50,6 +49,7 @@ def joint_weights(weights: ArrayLike | None, n: int) -> Array:
 STATUS: tuple[Any, ...] = tuple(np.int8(status) for status in IkStatus)
 """What a call returns for each status: the same object every time."""
 UNREACHABLE = STATUS[IkStatus.UNREACHABLE]
+REACHED_WELL = (IkStatus.OK, IkStatus.SINGULAR)
 
 
 class Nearest:
@@ -126,8 +126,10 @@ class Nearest:
             to = Reference(start[free], *joints)
             q[free], taken[free], number[free] = self._choose_free(T[free], some, to)
         far = np.flatnonzero(np.abs(q - start).max(-1) > NEAR)
-        there = far[self._reaches(start[far], T[far])]
-        q[there], taken[there] = start[there], IkStatus.SINGULAR
+        missed = np.abs(self._misses(start[far], T[far])).max(-1, initial=0.0)
+        far = far[np.abs(q[far] - start[far]).max(-1) > STEEP * missed]
+        if len(far):
+            q[far], taken[far] = self._approached(T[far], q[far], taken[far], Reference(start[far], *joints))
 
     def _targets(self, T: ArrayLike) -> Array:
         """Targets of the right shape; whether they are poses is for `Arm.ik` to see."""
@@ -154,12 +156,18 @@ class Nearest:
         status = np.where(beyond > 0.0, IkStatus.LIMIT, np.where(free, IkStatus.SINGULAR, found.status))
         return q[row, number], status[row, number], number
 
-    def _reaches(self, q0: Array, T: Array) -> NDArray[np.bool_]:
-        """Whether references (N, n) reach their targets themselves, within the limits."""
+    def _misses(self, q: Array, T: Array) -> Array:
+        """By what joints (N, n) miss their targets (N, rows)."""
         goal = T[:, :3, 3] if self._rows == 3 and T.ndim == 3 else T
-        missed = np.linalg.norm(pose_error(self._arm.fk(q0), goal, self._rows), axis=-1)
-        limits = self._arm.limits
-        return np.asarray((missed < REACHED) & ~outside(q0, limits.lower, limits.upper).any(-1))
+        return pose_error(self._arm.fk(q), goal, self._rows)
+
+    def _approached(self, T: Array, q: Array, taken: NDArray[Any], to: Reference) -> tuple[Array, NDArray[np.int8]]:
+        """What is reached from the reference, where that is nearer than the branch that was taken (q, status)."""
+        found, singular = approached(self._arm, T, q, to)
+        inside = to.violation(found) == 0.0
+        better = inside & ((to.distance(found) < to.distance(q) - NEAR) | ~np.isin(taken, REACHED_WELL))
+        status = np.where(singular, IkStatus.SINGULAR, IkStatus.OK)
+        return np.where(better[:, None], found, q), np.where(better, status, taken).astype(np.int8)
 
     def _turned(self, q: Array, to: Reference) -> Array:
         return whole_turns(q, to.q0[:, None], to.lower, to.upper, to.turns)

@@ -11,19 +11,20 @@ from numba import float64, int8, int64, void
 from numpy.typing import NDArray
 
 from holonom.arrays import REVOLUTION, Array
-from holonom.mechanics.kernels.inverse.geometry import LIMIT, REACHED, SINGULAR, SINGULAR_LIMIT, UNREACHABLE
+from holonom.mechanics.kernels.inverse.geometry import LIMIT, SINGULAR, SINGULAR_LIMIT, UNREACHABLE
 from holonom.model import LIMIT_TOLERANCE
 from holonom.trace.call.direct import ArrayObject, array_of, direct, fits, scratch
 from holonom.trace.call.pointer import call_kernel
 from holonom.trace.call.results import Results, entry, exists, made_like, nothing
 from holonom.trace.code.loops import loop
 
-__all__ = ["NEAR", "STATUSES", "nearest_of_rows", "nearest_point", "nearest_pose"]
+__all__ = ["NEAR", "STATUSES", "STEEP", "nearest_of_rows", "nearest_point", "nearest_pose"]
 
 _LIST, _TABLE, _STACK = float64[::1], float64[:, ::1], float64[:, :, ::1]
 
-NEAR = 1e-6
-"""Distance (rad or m) from the reference beyond which that is asked whether it reaches the target itself."""
+NEAR, STEEP = 1e-6, 5.0
+"""A branch farther from the reference (rad or m) than this, and than so many times what the reference misses the target
+by, is doubted: close to a singular pose a nearer one may be lost in rounding, or in what a calibrated arm is off."""
 STATUSES = 5
 """Of the kernel."""
 ROOM = 256
@@ -67,14 +68,14 @@ def _choose(branches: Array, status: Any, at: int, reference: Array, joints: Arr
 
 
 @loop(error_model="numpy")
-def _reaches(address: int, q: Array, goal: Array) -> bool:
-    """Whether joints reach a target: T (16,), or p (3,)."""
+def _missed(address: int, q: Array, goal: Array) -> float:
+    """By how much (m, or an entry of the rotation) joints miss a target: T (16,), or p (3,)."""
     T = scratch(16)
     call_kernel(address, q, T)
     missed = 0.0
     for i in range(goal.shape[0]):
         missed = max(missed, abs(T[i if goal.shape[0] == 16 else 4 * i + 3] - goal[i]))
-    return bool(missed < REACHED)
+    return missed
 
 
 def _nearest(address: int, forward: int, count: int, target: Any, reference: Any, joints: Any, answers: Any) -> Any:
@@ -97,8 +98,8 @@ def _nearest(address: int, forward: int, count: int, target: Any, reference: Any
 
     Returns
     -------
-    None if something is not finite, or no array of its shape, or where a joint is free in a branch, or the
-    reference reaches the target and no branch is near to it.
+    None if something is not finite, or no array of its shape, or where a joint is free in a branch, or
+    the one chosen is doubted (see `STEEP`).
     """
     if not (fits(target) and fits(reference) and fits(joints)):
         return nothing(entry(answers, 0))
@@ -120,7 +121,7 @@ def _nearest(address: int, forward: int, count: int, target: Any, reference: Any
     apart = 0.0
     for i in range(n):
         apart = max(apart, abs(q[i] - start[i]))
-    if apart > NEAR and _reaches(forward, start, goal.reshape(goal.size)):
+    if apart > NEAR and apart > STEEP * _missed(forward, start, goal.reshape(goal.size)):
         return nothing(entry(answers, 0))
     result = made_like(entry(answers, STATUSES * branch + int(found[count * n + branch])))
     if exists(result):

@@ -36,10 +36,14 @@ __all__ = [
 OK, UNREACHABLE, LIMIT, SINGULAR, SINGULAR_LIMIT = 0, 1, 2, 3, 4
 REACHED = 1e-8
 """Root of the sum of squares of T(q) - T (m, and the rotation's entries) up to which a branch has reached the pose."""
-REFINEMENTS, LARGEST = 12, 0.2
+REFINEMENTS, LARGEST = 30, 0.5
 """Newton steps of a branch that is to be refined, at most, and the largest change of a joint in one (rad or m)."""
-KICK, SAME = 0.05, 1e-6
+DAMPING = 0.03
+"""Of its steps, per square of the error (Chan & Lawrence 1988)."""
+KICKS, SAME = (0.05, -0.05, 0.8, -0.8, 1.6, -1.6, 2.4, -2.4, 3.1), 1e-6
 """By what such a branch is moved where it meets another one (rad), and the difference up to which two are the same."""
+REFINED = 1e-9
+"""As `REACHED`, of a branch that is refined."""
 DEPARTED = 1e3
 """How much further a branch that is still to be refined may miss, per departure of the axes from the closed form's."""
 
@@ -188,23 +192,24 @@ def refined(
         """Joints (m, n) after Newton's method for the targets of some rows, and whether they reach them."""
         at = start
         for _ in range(REFINEMENTS):
-            inverse = np.linalg.pinv(jacobian(at)[:, :rows], rcond=1e-7)
-            step = (inverse @ pose_error(fk(at), goal[row], rows)[..., None])[..., 0]
-            at = at + np.clip(step, -LARGEST, LARGEST)
+            J, error = jacobian(at)[:, :rows], pose_error(fk(at), goal[row], rows)
+            JT, damping = np.swapaxes(J, -1, -2), DAMPING * (error**2).sum(-1) + 1e-15
+            step = (JT @ np.linalg.solve(J @ JT + damping[:, None, None] * np.eye(rows), error[..., None]))[..., 0]
+            at = at + step * np.minimum(1.0, LARGEST / np.maximum(np.abs(step).max(-1, keepdims=True), 1e-300))
             if np.abs(step).max(initial=0.0) < 1e-13:
                 break
-        return at, np.linalg.norm(pose_error(fk(at), goal[row], rows), axis=-1) < REACHED
+        return at, np.linalg.norm(pose_error(fk(at), goal[row], rows), axis=-1) < REFINED
 
     every = np.repeat(np.arange(len(first)), k)
     found, fine = improve(first.reshape(-1, n), every)
     better[:], reached[:] = found.reshape(-1, k, n), fine.reshape(-1, k) & (code != UNREACHABLE)
-    for side in (KICK, -KICK):  # where branches nearly meet, the nominal arm's may be one, or none
+    for kick in KICKS:  # where branches nearly meet, or a joint is free, the nominal arm's may be one, or none
         row, branch = np.nonzero(~reached | repeated(better, reached))
         if not len(row):
             break
         start = first[row, branch]
-        loose = np.linalg.svd(jacobian(start)[:, :rows])[2][:, -1] if n else start
-        found, fine = improve(start + side * loose, row)
+        loose = np.linalg.svd(jacobian(start)[:, :rows])[2][:, -1]
+        found, fine = improve(start + kick * loose / np.abs(loose).max(-1, keepdims=True), row)
         for r, b in zip(row[fine], branch[fine], strict=True):
             own = found[(row == r) & (branch == b)][0]
             apart = np.abs(_less_turns(better[r] - own)).max(-1)
