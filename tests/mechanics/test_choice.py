@@ -5,6 +5,7 @@ Truth: the joints that a pose was made from, which are at distance 0; solution s
 
 import numpy as np
 import pytest
+from test_closed_form_families import calibrated
 
 from holonom.mechanics import IkStatus, arm_from_dh, load_arm
 from holonom.mechanics.arm.arm import Arm
@@ -75,6 +76,46 @@ def test_other_singular_joints_are_their_own_nearest(arm, singular):
     near = arm.ik_nearest(arm.fk(q), q)
     assert np.isin(near.status, REACHED).all()
     np.testing.assert_allclose(near.q, q, rtol=0.0, atol=1e-6)
+
+
+def stretched_puma(q):
+    q[:, 2], q[:, 4] = -np.arctan2(0.4318, 0.0203), 0.0
+    return q
+
+
+def upright_stanford(q):
+    q[:, 1], q[:, 4] = 0.0, 0.0
+    return q
+
+
+@pytest.mark.parametrize(
+    ("name", "singular"), [("ur5e", straight_and), ("puma560", stretched_puma), ("stanford", upright_stanford)]
+)
+@pytest.mark.parametrize("off", [1e-7, 1e-3, 0.02])
+def test_near_to_singular_joints_nothing_far_is_taken(name, singular, off):
+    """A solution lies within `off` of the reference: the joints that the pose was made from."""
+    arm, rng = load_arm(name), np.random.default_rng(6)
+    q = singular(within(arm, rng, 60))
+    q0 = q + rng.uniform(-off, off, q.shape)
+    near = arm.ik_nearest(arm.fk(q), q0)
+    assert np.isin(near.status, REACHED).all()
+    away = np.abs(near.q - q0).max(-1)
+    assert (away < 2.0 * off + 1e-6).mean() > 0.98
+    assert away.max() < 10.0 * off + 1e-6
+    np.testing.assert_allclose(arm.fk(near.q), arm.fk(q), atol=1e-8)
+
+
+@pytest.mark.parametrize("name", ["ur5e", "puma560"])
+def test_near_to_a_singular_pose_of_a_calibrated_arm_nothing_far_is_taken(name):
+    arm, rng = calibrated(name, 1), np.random.default_rng(11)
+    q = straight_and(0.9 * within(arm, rng, 100))
+    q0 = q + rng.uniform(-0.02, 0.02, q.shape)
+    near = arm.ik_nearest(arm.fk(q), q0)
+    assert np.isin(near.status, REACHED).all()
+    away = np.abs(near.q - q0).max(-1)
+    assert (away < 0.05).mean() > 0.9  # of two solutions close to each other the other one, now and then
+    assert away.max() < 0.3
+    np.testing.assert_allclose(arm.fk(near.q), arm.fk(q), atol=1e-8)
 
 
 def test_no_solution_of_the_whole_set_is_nearer():

@@ -23,6 +23,8 @@ AXES = {
     # What the letters say of each axis: its direction, and the point that it passes through; "." is any other.
     "2 || 3 || 4, skew wrist": ".. a. a. a. .. ..",
     "3 || 4 || 5, skew shoulder": ".. .. a. a. a. ..",
+    "2 || 3 || 4, 5 || 6": ".. a. a. a. b. b.",
+    "1 || 2, 3 || 4 || 5": "b. b. a. a. a. ..",
     "five, 4 meets 5": ".. .. .. .p .p",
     "five, 4 meets 5, 2 || 3": ".. a. a. .p .p",
     "five, 1 meets 2": ".p .p .. .. ..",

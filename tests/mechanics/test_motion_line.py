@@ -11,6 +11,7 @@ from motion_arms import Gantry, GantryWrist, Scara, Solutions, limits_of, pose, 
 from scipy.spatial.transform import Rotation, Slerp
 
 from holonom.errors import MotionError, NotAPose, ShapeError
+from holonom.mechanics import load_arm
 from holonom.mechanics.motion import Trajectory, plan_line
 
 SPEEDS = {"speed": 0.4, "rotation_speed": 2.0, "acceleration": 2.0, "rotation_acceleration": 10.0}
@@ -206,3 +207,20 @@ def test_a_goal_has_to_be_a_pose(goal: np.ndarray) -> None:
 def test_a_start_has_to_fit_the_arm() -> None:
     with pytest.raises(ShapeError, match="the arm has 6 joints"):
         plan_line(wrist_arm, np.zeros(5), np.eye(4), **SPEEDS)
+
+
+@pytest.mark.parametrize("way", [(0.04, 0.0, 0.0), (0.0, 0.0, 0.04), (-0.03, 0.0, -0.03)])
+@pytest.mark.parametrize(("shoulder", "elbow"), [(-100, 70), (-100, 50), (-80, 50), (-60, 90)])
+def test_a_line_on_which_a_ur_stays_singular_is_driven(shoulder: float, elbow: float, way: tuple[float, ...]) -> None:
+    """At q5 = 0 joint 6 is parallel to joints 2 to 4: in their plane the arm has a joint to spare; none jumps."""
+    arm = load_arm("ur5e").with_limits(accelerations=20.0)
+    q0 = np.radians([0.0, shoulder, elbow, -50 - shoulder - elbow, 0.0, 0.0])
+    goal = arm.fk(q0)
+    goal[:3, 3] += way
+    driven = plan_line(arm, q0, goal, speed=0.1, acceleration=1.0, rotation_speed=1.0, rotation_acceleration=5.0)
+    T = arm.fk(driven.q)
+    np.testing.assert_allclose(T[-1], goal, atol=1e-8)
+    along = (T[:, :3, 3] - T[0, :3, 3]) @ way / np.linalg.norm(way)
+    np.testing.assert_allclose(T[:, :3, 3] - T[0, :3, 3], along[:, None] * way / np.linalg.norm(way), atol=1e-8)
+    assert np.abs(np.diff(driven.q, axis=0)).max() < 2e-3  # at 0.1 m/s and 1 ms
+    assert np.abs(driven.q[:, [0, 4]] - q0[[0, 4]]).max() < 1e-6

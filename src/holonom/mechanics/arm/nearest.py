@@ -15,7 +15,8 @@ from holonom.mechanics.arm.members import Reference, approached, nearest_members
 from holonom.mechanics.kernels.inverse.geometry import pose_error
 from holonom.mechanics.kernels.inverse.result import IkNearest, IkResult, IkStatus
 from holonom.mechanics.kernels.protocol import SolvedArm
-from holonom.mechanics.loops.nearest import NEAR, STATUSES, STEEP, nearest_of_rows, nearest_point, nearest_pose
+from holonom.mechanics.loops.nearest import LOCAL, NEAR, STATUSES, STEEP, nearest_of_rows, nearest_point, nearest_pose
+from holonom.model import outside
 from holonom.spatial import check_pose
 from holonom.trace import check_threads, share
 
@@ -125,9 +126,10 @@ class Nearest:
             some = IkResult(solved.q[free], solved.status[free], solved.names)
             to = Reference(start[free], *joints)
             q[free], taken[free], number[free] = self._choose_free(T[free], some, to)
-        far = np.flatnonzero(np.abs(q - start).max(-1) > NEAR)
+        inside = ~outside(start, *joints[:2]).any(-1)
+        far = np.flatnonzero(inside & (np.abs(q - start).max(-1) > NEAR))
         missed = np.abs(self._misses(start[far], T[far])).max(-1, initial=0.0)
-        far = far[np.abs(q[far] - start[far]).max(-1) > STEEP * missed]
+        far = far[(missed < LOCAL) & (np.abs(q[far] - start[far]).max(-1) > STEEP * missed)]
         if len(far):
             q[far], taken[far] = self._approached(T[far], q[far], taken[far], Reference(start[far], *joints))
 

@@ -18,13 +18,14 @@ from holonom.trace.call.pointer import call_kernel
 from holonom.trace.call.results import Results, entry, exists, made_like, nothing
 from holonom.trace.code.loops import loop
 
-__all__ = ["NEAR", "STATUSES", "STEEP", "nearest_of_rows", "nearest_point", "nearest_pose"]
+__all__ = ["LOCAL", "NEAR", "STATUSES", "STEEP", "nearest_of_rows", "nearest_point", "nearest_pose"]
 
 _LIST, _TABLE, _STACK = float64[::1], float64[:, ::1], float64[:, :, ::1]
 
-NEAR, STEEP = 1e-6, 5.0
-"""A branch farther from the reference (rad or m) than this, and than so many times what the reference misses the target
-by, is doubted: close to a singular pose a nearer one may be lost in rounding, or in what a calibrated arm is off."""
+NEAR, STEEP, LOCAL = 1e-6, 5.0, 0.5
+"""A branch farther from the reference (rad or m) than the first, and than so many times what that misses the target by,
+is doubted, where the reference keeps the limits and misses by less than the last (m, an entry of the rotation): close to
+a singular pose a nearer one may be lost in rounding, or in what a calibrated arm is off."""
 STATUSES = 5
 """Of the kernel."""
 ROOM = 256
@@ -118,11 +119,14 @@ def _nearest(address: int, forward: int, count: int, target: Any, reference: Any
     branch = _choose(found[: count * n].reshape(count, n), found, count * n, start, bounds, q)
     if branch < 0:
         return nothing(entry(answers, 0))
-    apart = 0.0
+    apart, inside = 0.0, True
     for i in range(n):
         apart = max(apart, abs(q[i] - start[i]))
-    if apart > NEAR and apart > STEEP * _missed(forward, start, goal.reshape(goal.size)):
-        return nothing(entry(answers, 0))
+        inside = inside and bounds[0, i] - LIMIT_TOLERANCE <= start[i] <= bounds[1, i] + LIMIT_TOLERANCE
+    if apart > NEAR and inside:
+        missed = _missed(forward, start, goal.reshape(goal.size))
+        if missed < LOCAL and apart > STEEP * missed:
+            return nothing(entry(answers, 0))
     result = made_like(entry(answers, STATUSES * branch + int(found[count * n + branch])))
     if exists(result):
         array_of(entry(result, 0))[:] = q

@@ -126,9 +126,10 @@ def plan_course(
         if slow > _SLOWEST:
             break
     row, joint = np.unravel_index(int(np.argmax(excess)), excess.shape)
+    more = f"at most {_SLOWEST:g}" if slow > _SLOWEST else f"and it would be {worst:.3g} times too fast even then"
     raise MotionError(
         f"{where(course, float(s[row]))} {bounds.names[joint]} would have to be slowed {slow:.3g} "
-        f"times (at most {_SLOWEST:g}): the arm is singular there or the speed too high; use a joint motion"
+        f"times ({more}): the arm is singular there or the speed too high; use a joint motion"
     )
 
 
@@ -199,9 +200,14 @@ def _inverse(arm: LineArm, start: Array, course: Course, s: Array) -> _Geometry:
         q, singular = _tracked(arm, start, course, s), np.zeros(len(s), dtype=bool)
     J = arm.jacobian(q, frame="world")
     if singular.any():
-        # Where the Jacobian tells no joint speeds, the joints themselves do: they were followed without a jump.
+        # Where the Jacobian tells no joint speeds, the joints themselves do: they were followed without a jump. On a
+        # way that stays singular they take the least steps, and so are their speeds.
+        twists = course.twists(s)
         slope = np.gradient(q, s, axis=0)
-        slope[~singular] = _solve(J[~singular], course.twists(s)[~singular], course, s[~singular])
+        slope[~singular] = _solve(J[~singular], twists[~singular], course, s[~singular])
+        stays = singular & np.roll(singular, 1) & np.roll(singular, -1)
+        stays[[0, -1]] = singular[[0, -1]] & singular[[1, -2]]
+        slope[stays] = _least(J[stays], twists[stays])
     else:
         slope = _solve(J, course.twists(s), course, s)
     step = np.abs(np.diff(q, axis=0))
@@ -240,9 +246,15 @@ def _nearest(
     turning = np.array(arm.limits.turns)
     q = np.empty((len(s), len(start)))
     q[0] = start
+    singular = True
     for k in range(1, len(s)):
         last = q[k - 1] - q[max(k - 2, 0)]
         ahead = q[k - 1] + last
+        J = arm.jacobian(q[k - 1], frame="world")
+        spread = np.linalg.svd(J, compute_uv=False)
+        singular, before = spread[-1] < _SINGULAR * spread[0], singular
+        if singular and before:  # a way that stays singular, by least steps
+            ahead = q[k - 1] + _least(J, _pose_error(arm.fk(q[k - 1]), T[k]))
         ways = solutions.q[k, solutions.status[k] != IkStatus.UNREACHABLE]
         if not len(ways):
             raise MotionError(f"{where(course, float(s[k]))} the pose is out of the arm's reach; choose a nearer one")
@@ -255,6 +267,11 @@ def _nearest(
                 q[k] = settled
     spread = np.linalg.svd(arm.jacobian(q, frame="world"), compute_uv=False)
     return q, spread[:, -1] < _SINGULAR * spread[:, 0]
+
+
+def _least(J: Array, twist: Array) -> Array:
+    """Joint speeds (..., n) of least norm that make of a twist (..., 6) what a singular arm can make of it."""
+    return np.asarray((np.linalg.pinv(J, rcond=_SINGULAR) @ twist[..., None])[..., 0])
 
 
 def _settled(arm: LineArm, q: Array, T: Array) -> Array | None:

@@ -22,20 +22,20 @@ from holonom.mechanics.equations.inverse.subproblems import (
     reverse,
     rotated,
     turn_onto,
+    turns_to_level,
     two_parallel_turns,
     unit,
 )
 from holonom.mechanics.equations.vectors import Pose, Vector, add, cross, dot, matvec, scale, sub, tvec
-from holonom.trace import Number, absolute, less_equal, select
+from holonom.trace import absolute, less_equal, select
 
-__all__ = ["three_parallel_skew"]
+__all__ = ["three_parallel_and_two", "three_parallel_skew"]
 
 
 def three_parallel_skew(screws: Sequence[Screw], G: Pose) -> list[Branch]:
     """Eight branches: the real roots by q5 from -pi to pi of the home pose, each with both elbows."""
     R, p = G
-    first, parallel, (s5, s6) = screws[0], screws[1:4], screws[4:]
-    h = parallel[0].h
+    first, h, (s5, s6) = screws[0], screws[1].h, screws[4:]
     loose, q5_of = _first_and_fifth(first, h, s5, s6, matvec(R, s6.h), add(matvec(R, s6.p), p))
     solved = []
     for root, real in on_circle(*q5_of):
@@ -46,22 +46,42 @@ def three_parallel_skew(screws: Sequence[Screw], G: Pose) -> list[Branch]:
         turn, q5, _ = branch.values
         assert isinstance(turn, Turn)
         assert isinstance(q5, Turn)
-        R1 = [rotated(first.h, turn, column) for column in zip(*R, strict=True)]  # columns of R1^T R
-        back5 = reverse(q5)
-        q6, _ = turn_onto(s6.h, matvec(R1, h), rotated(s5.h, back5, h), s6.rest)
-
-        def undone(v: Vector, q6: Turn = q6, back5: Turn = back5, R1: Sequence[Vector] = R1) -> list[Number]:
-            """R1^T R R6^T R5^T v: what joints 2 to 4 turn."""
-            return tvec(R1, rotated(s6.h, reverse(q6), rotated(s5.h, back5, v)))
-
-        x = across(h)
-        total, _ = turn_onto(h, x, undone(x))
-        c = moved(s6, reverse(q6), moved(s5, back5, parallel[2].p))
-        w = add(first.p, rotated(first.h, turn, sub(add(matvec(R, c), p), first.p)))
-        for triangle in two_parallel_turns(parallel[0], parallel[1], parallel[2].p, w):
-            last = remaining(total, h, parallel, triangle.values)
-            branches.append(Branch([reverse(turn), *triangle.values, last, q5, q6], triangle.free | loose))
+        branches += _others(screws, G, turn, q5, loose)
     return branches
+
+
+def three_parallel_and_two(screws: Sequence[Screw], G: Pose) -> list[Branch]:
+    """Eight branches where axes 5 and 6 are parallel: joint 5 does not tilt axis 6, so one equation is q1's alone."""
+    R, p = G
+    first, h, s5, s6 = screws[0], screws[1].h, screws[4], screws[5]
+    turns, free = turns_to_level(first.h, matvec(R, s6.h), h, dot(h, s6.h), reverse(first.rest))
+    o = sub(add(matvec(R, s6.p), p), first.p)
+    branches = []
+    for turn in turns:
+        level = dot(h, sub(add(first.p, rotated(first.h, turn, o)), s5.p))
+        fifth, loose = turns_to_level(s5.h, sub(s6.p, s5.p), h, level, s5.rest)
+        for q5 in fifth:
+            branches += _others(screws, G, turn, q5, free | loose)
+    return branches
+
+
+def _others(screws: Sequence[Screw], G: Pose, turn: Turn, q5: Turn, free: Truth) -> list[Branch]:
+    """Both branches with q1, turned back by `turn`, and q5: joint 6, and joints 2 to 4 as a planar arm."""
+    R, p = G
+    first, parallel, (s5, s6) = screws[0], screws[1:4], screws[4:]
+    h = parallel[0].h
+    R1 = [rotated(first.h, turn, column) for column in zip(*R, strict=True)]  # columns of R1^T R
+    back5 = reverse(q5)
+    q6, _ = turn_onto(s6.h, matvec(R1, h), rotated(s5.h, back5, h), s6.rest)
+    x = across(h)
+    total, _ = turn_onto(h, x, tvec(R1, rotated(s6.h, reverse(q6), rotated(s5.h, back5, x))))
+    c = moved(s6, reverse(q6), moved(s5, back5, parallel[2].p))
+    w = add(first.p, rotated(first.h, turn, sub(add(matvec(R, c), p), first.p)))
+    found = []
+    for triangle in two_parallel_turns(parallel[0], parallel[1], parallel[2].p, w):
+        last = remaining(total, h, parallel, triangle.values)
+        found.append(Branch([reverse(turn), *triangle.values, last, q5, q6], triangle.free | free))
+    return found
 
 
 def _first_and_fifth(

@@ -45,7 +45,7 @@ from holonom.mechanics.equations.inverse.regional import (
     parallel_23,
     two_turns,
 )
-from holonom.mechanics.equations.inverse.skew_wrist import three_parallel_skew
+from holonom.mechanics.equations.inverse.skew_wrist import three_parallel_and_two, three_parallel_skew
 from holonom.mechanics.equations.inverse.spherical_wrist import spherical_wrist
 from holonom.mechanics.equations.inverse.subproblems import Branch, Screw, mirrored, opposite
 from holonom.mechanics.equations.vectors import Pose, Vector, scale, transpose, tvec
@@ -276,8 +276,11 @@ def _backwards(recognise: Callable[[Sequence[Screw]], Recipe | None]) -> Callabl
 def _skew(screws: Sequence[Screw]) -> Recipe | None:
     if _kinds(screws) != "RRRRRR" or not parallel(screws[1], screws[2]) or not parallel(screws[1], screws[3]):
         return None
-    if parallel(screws[0], screws[1]) or parallel(screws[3], screws[4]) or parallel(screws[4], screws[5]):
+    if parallel(screws[0], screws[1]) or parallel(screws[3], screws[4]):
         return None
+    if parallel(screws[4], screws[5]):
+        names = _named(("q1-", "q1+"), ("q5+", "q5-"), _elbows(screws[1:3]))
+        return Recipe("pose", names, lambda G: three_parallel_and_two(screws, G))
     names = _named(("first", "second", "third", "fourth"), _elbows(screws[1:3]))
     return Recipe("pose", names, lambda G: three_parallel_skew(screws, G))
 
