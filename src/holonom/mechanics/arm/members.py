@@ -114,13 +114,17 @@ def pulled(arm: SolvedArm, T: Array, q: Array, to: Reference, rounds: int = ROUN
     return sets.best([q, sets.pulled(q, rounds)])
 
 
-def approached(arm: SolvedArm, T: Array, q: Array, to: Reference) -> tuple[Array, NDArray[np.bool_]]:
-    """The nearest of solutions q (N, n) and of those that steps from the reference lead to, and where J is singular."""
+def approached(arm: SolvedArm, T: Array, q: Array, to: Reference) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
+    """The nearest of solutions q (N, n) and of those that steps from the reference lead to.
+
+    Returns
+    -------
+    Joints (N, n); whether they reach their targets; whether the Jacobian is singular there.
+    """
     sets = _Sets(arm, T, to)
     near = sets.approached(to.start)
     found = sets.best([near, sets.pulled(to.start), sets.pulled(near), q])
-    found = np.where(sets.missed(found)[:, None], q, found)
-    return found, sets.smallest(found) < FREE
+    return found, ~sets.missed(found), sets.smallest(found) < FREE
 
 
 class _Sets:

@@ -165,9 +165,9 @@ class Nearest:
 
     def _approached(self, T: Array, q: Array, taken: NDArray[Any], to: Reference) -> tuple[Array, NDArray[np.int8]]:
         """What is reached from the reference, where that is nearer than the branch that was taken (q, status)."""
-        found, singular = approached(self._arm, T, q, to)
-        inside = to.violation(found) == 0.0
-        better = inside & ((to.distance(found) < to.distance(q) - NEAR) | ~np.isin(taken, REACHED_WELL))
+        found, reached, singular = approached(self._arm, T, q, to)
+        good = reached & (to.violation(found) == 0.0)
+        better = good & ((to.distance(found) < to.distance(q) - NEAR) | ~np.isin(taken, REACHED_WELL))
         status = np.where(singular, IkStatus.SINGULAR, IkStatus.OK)
         return np.where(better[:, None], found, q), np.where(better, status, taken).astype(np.int8)
 

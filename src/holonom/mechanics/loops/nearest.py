@@ -24,8 +24,8 @@ _LIST, _TABLE, _STACK = float64[::1], float64[:, ::1], float64[:, :, ::1]
 
 NEAR, STEEP, LOCAL = 1e-6, 5.0, 0.5
 """A branch farther from the reference (rad or m) than the first, and than so many times what that misses the target by,
-is doubted, where the reference keeps the limits and misses by less than the last (m, an entry of the rotation): close to
-a singular pose a nearer one may be lost in rounding, or in what a calibrated arm is off."""
+is doubted, where the reference keeps the limits and misses by less than the last (m, entries of the rotation): close
+to a singular pose a nearer one may be lost in rounding, or in what a calibrated arm is off."""
 STATUSES = 5
 """Of the kernel."""
 ROOM = 256
