@@ -123,7 +123,7 @@ def approached(arm: SolvedArm, T: Array, q: Array, to: Reference) -> tuple[Array
     """
     sets = _Sets(arm, T, to)
     near = sets.approached(to.start)
-    found = sets.best([near, sets.pulled(to.start), sets.pulled(near), q])
+    found = sets.best([q, near, sets.pulled(to.start), sets.pulled(near)], first_reaches=False)
     return found, ~sets.missed(found), sets.smallest(found) < FREE
 
 
@@ -141,11 +141,11 @@ class _Sets:
     def rows(self, some: NDArray[np.intp]) -> _Sets:
         return _Sets(self.arm, self.T[some], self.to.take(some))
 
-    def best(self, candidates: list[Array]) -> Array:
-        """Of each row's candidates, the first of which reach the target, the one that costs least."""
+    def best(self, candidates: list[Array], *, first_reaches: bool = True) -> Array:
+        """Of each row's candidates that reach the target the one that costs least, else the first."""
         stack = np.stack([candidates[0], *(self.to.turned(q) for q in candidates[1:])])
         cost = np.stack([self.to.cost(q) for q in stack])
-        for k in range(1, len(stack)):
+        for k in range(first_reaches, len(stack)):
             cost[k, self.missed(stack[k])] = np.inf
         return np.asarray(stack[cost.argmin(0), np.arange(stack.shape[1])])
 
