@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 
 __all__ = ["mutant"]
 
-LARGEST = 200_000
-"""Bytes of an input."""
+LARGEST = 65_536
+"""Bytes of an input: time goes with their number, and a program of so many lines takes most of a second."""
 NUMBERS = (
     b"0", b"-0", b"-1", b"1e999", b"-1e999", b"1e-400", b"nan", b"inf", b"-inf", b"9" * 400, b"9" * 6000, b"1_0",
     b"0x1f", b"4294967295", b"-2147483649", b"18446744073709551616", b"1e308", b"1e15", b"3.5", b"1e", b".", b"00", b"",
