@@ -112,7 +112,11 @@ def test_limits_are_set_and_scaled():
         ),
         ({"speed": 0.0}, InputError, "speed is 0.0; one positive factor"),
         ({"speed": np.array([0.5])}, InputError, r"speed is array\(\[0.5\]\); one positive factor .*; speeds= takes"),
-        ({"acceleration": [0.5] * 6}, InputError, r"acceleration is \[.*; one positive factor .*; accelerations= takes"),
+        (
+            {"acceleration": [0.5] * 6},
+            InputError,
+            r"acceleration is \[.*; one positive .*; accelerations= takes",
+        ),
         ({"speed": "half"}, ShapeError, "speed holds something that is not a number"),
         ({"accelerations": [1.0, 2.0]}, ShapeError, "accelerations must be one number or 6"),
         ({"accelerations": -1.0}, InputError, "accelerations must be positive"),

@@ -11,8 +11,7 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, real_array
 from holonom.errors import MotionError, NotFinite, OutOfLimits, ShapeError
-from holonom.model import outside
-from holonom.model import joint_values
+from holonom.model import joint_values, outside
 from holonom.model.joint_values import looks_like_degrees, written
 
 __all__ = [
@@ -257,7 +256,7 @@ def joint_vector(name: str, value: ArrayLike, n: int) -> Array:
 def check_inside(q: Array, limits: JointLimits, *, in_degrees: bool = False) -> None:
     """Raise `OutOfLimits` where a position in `q` (n,), rad or m, lies outside its limits.
 
-    `in_degrees`: they were written in degrees and mm, and are told so; otherwise what looks like degrees is asked about.
+    `in_degrees`: they were written in degrees and mm, and are told so; otherwise degrees are asked about.
     """
     beyond = outside(q, limits.lower, limits.upper)
     if beyond.any():
