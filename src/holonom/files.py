@@ -24,6 +24,7 @@ __all__ = [
     "NESTING",
     "Kind",
     "check_lines",
+    "decimal",
     "is_file",
     "is_inside",
     "read_bytes",
@@ -71,19 +72,21 @@ def read_bytes(path: str | Path, kind: str, problem: type[InputError]) -> bytes:
         Of the type `problem`: it is not there, no file, larger than its kind may be, or cannot be unpacked.
     """
     path, what = Path(path), LIMITS[kind]
+    reason, raw = "it is no file but a device or pipe", b""
     try:
-        if not stat.S_ISREG(path.stat().st_mode):
-            what_it_is = "Is a directory" if path.is_dir() else "it is no file but a device or pipe"
-            raise problem(f"{path}: cannot be read: {what_it_is}; give the path of {what.title}")
-        with path.open("rb") as file:
-            raw = file.read(what.most + 1)
+        if stat.S_ISREG(path.stat().st_mode):
+            with path.open("rb") as file:
+                reason, raw = "", file.read(what.most + 1)
             if path.suffix == ".gz" and len(raw) <= what.most:
                 raw = gzip.GzipFile(fileobj=io.BytesIO(raw)).read(what.most + 1)
+        elif path.is_dir():
+            reason = "Is a directory"
     except (gzip.BadGzipFile, EOFError, zlib.error) as error:
         raise problem(f"{path}: cannot be read: no gzip file, or damaged ({error}); give another copy") from None
     except (OSError, ValueError) as error:  # a name with a zero byte is a ValueError
-        reason = getattr(error, "strerror", None) or error
-        raise problem(f"{path}: cannot be read: {reason}; give the path of {what.title}") from None
+        reason = getattr(error, "strerror", None) or str(error)
+    if reason:
+        raise problem(f"{path}: cannot be read: {reason}; give the path of {what.title}")
     if len(raw) > what.most:
         raise problem(f"{path}: more than {what.most / MIB:g} MiB; {what.title} holds no more: split it")
     return raw
@@ -95,7 +98,7 @@ def read_text(path: str | Path, kind: str, problem: type[InputError]) -> str:
     Raises
     ------
     InputError
-        Of the type `problem`: as `read_bytes`, or no UTF-8 from some line on.
+        Of the type `problem`: as `read_bytes`, or no UTF-8 from some line on, or a zero character.
     """
     raw = read_bytes(path, kind, problem)
     try:
@@ -103,6 +106,9 @@ def read_text(path: str | Path, kind: str, problem: type[InputError]) -> str:
     except UnicodeDecodeError as error:
         line = raw[: error.start].count(b"\n") + 1
         raise problem(f"{path}:{line}: not UTF-8 text; save the file as UTF-8") from None
+    if (at := text.find("\0")) >= 0:
+        line = text.count("\n", 0, at) + 1
+        raise problem(f"{path}:{line}: a character of number 0, which no text has; give another copy, in UTF-8")
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
@@ -117,6 +123,19 @@ def check_lines(text: str, file: str | Path, problem: type[InputError] = Program
             raise problem(
                 f"{file}:{number}: {len(line)} characters in a line; at most {LINE_LENGTH} are read: split it"
             )
+
+
+def decimal(text: str) -> float:
+    """Return the number that a text of ASCII digits writes, spaces around it; such as "inf", too.
+
+    Raises
+    ------
+    ValueError
+        It writes none. Python's own reading takes 1_0 for ten, and the digits of every script.
+    """
+    if "_" in text or not text.isascii():
+        raise ValueError(f"{text!r} is no number")
+    return float(text)
 
 
 def is_file(path: str | Path) -> bool:

@@ -44,6 +44,7 @@ def refused(read, path: Path, kind: type[HolonomError]) -> str:
         read(path)
     assert time.process_time() - begin < 1.0
     assert str(path) in str(error.value)
+    assert str(error.value).count("cannot be read") <= 1
     return str(error.value)
 
 
@@ -110,6 +111,8 @@ def test_a_packed_log_is_unpacked_no_further_than_a_log_may_be(tmp_path: Path) -
 @pytest.mark.parametrize(
     ("text", "line", "said"),
     [
+        ("".join(f"k{k} = 1\n" for k in range(80_000)), 10001, "more than 10000 keys and tables"),
+        ("[[fault]]\n" * 80_000, 10001, "more than 10000 keys and tables"),
         ("seed = " + "9" * 6000, 8, "6000 characters; at most 300"),
         ("seed = 0x" + "f" * 6000, 8, "6002 characters; at most 300"),
         ("x = " + "[" * 50_000, 8, "at most 100 tables and lists in each other"),
@@ -157,6 +160,47 @@ def test_tables_without_measure() -> None:
         check_lines("x\n" * (LINES + 1), "run.csv", LogError)
     with pytest.raises(LogError, match=rf"run\.csv:2: {LINE_LENGTH + 1} characters in a line"):
         check_lines("x\n" + "1" * (LINE_LENGTH + 1), "run.csv", LogError)
+
+
+def test_twenty_faults_are_told(tmp_path: Path) -> None:
+    (tmp_path / "cell.toml").write_text(CELL + "".join(f"k{k} = 1\n" for k in range(3000)), "utf-8")
+    said = refused(load_cell, tmp_path / "cell.toml", CellError).splitlines()
+    assert len(said) == 21
+    assert [line.split(":")[1] for line in said[:20]] == [str(8 + k) for k in range(20)]
+    assert said[20].endswith("and 2980 more faults")
+    (tmp_path / "cell.toml").write_text(CELL.replace('"planar2r"', "[" + '"a",' * 5000 + "]"), "utf-8")
+    assert len(refused(load_cell, tmp_path / "cell.toml", CellError)) < 1500
+
+
+def test_cells_of_a_log_in_quotes(tmp_path: Path) -> None:
+    """RFC 4180, of columns that are read and of others."""
+    path = tmp_path / "run.csv"
+    path.write_text('"time",note,left\n0,"a, ""b""; c","1.5"\n1,plain,-2\n', "utf-8")
+    table = read_table(path, needed={"time", "left"})
+    assert table.names == ("time", "left")
+    np.testing.assert_array_equal(table.values, [[0.0, 1.5], [1.0, -2.0]])
+    path.write_text('time,note,left\n0,"a, b,1\n1,c,2\n', "utf-8")
+    assert "run.csv:2: quotes that do not enclose a cell" in refused(read_table, path, LogError)
+
+
+@pytest.mark.parametrize("value", ["1_0", "\u0663", "0x10", "1e"])
+def test_logs_hold_numbers(value: str, tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_text(f"time,left\n0,1\n1,{value}\n", "utf-8")
+    assert "run.csv:3: column 2 (left)" in refused(read_table, tmp_path / "run.csv", LogError)
+
+
+@pytest.mark.parametrize("digit", ["\u0663", "\uff13"])
+def test_programs_and_cells_hold_digits_of_ascii(digit: str, tmp_path: Path) -> None:
+    (tmp_path / "p.arps").write_text(PROGRAM.format(f"DELAY {digit}"), "utf-8")
+    assert "p.arps:2:" in refused(load_program, tmp_path / "p.arps", ProgramError)
+    (tmp_path / "cell.toml").write_text(CELL.replace("1s", f"{digit}s"), "utf-8")
+    assert "cell.toml:3: cell.time_limit" in refused(load_cell, tmp_path / "cell.toml", CellError)
+
+
+@pytest.mark.parametrize("name", [name for name in READERS if not name.endswith((".png", ".urdf"))])
+def test_a_zero_character_is_named_where_it_stands(name: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_bytes(b"# a\n0\x00,0\n")
+    assert f"{name}:2: a character of number 0" in refused(READERS[name][0], tmp_path / name, READERS[name][1])
 
 
 def test_a_log_shows_no_line_of_a_file_that_is_none(tmp_path: Path) -> None:
@@ -238,7 +282,7 @@ def test_a_size_is_looked_at_before_it_is_read(tmp_path: Path) -> None:
         read_text(tmp_path / "x", "program", ProgramError)
 
 
-@pytest.mark.parametrize("number", ["1e308", "-1e101", "9" * 6000, "nan", "1_0"])
+@pytest.mark.parametrize("number", ["1e308", "-1e101", "9" * 6000, "nan", "1_0", "\u0663"])
 def test_numbers_of_robots(number: str, tmp_path: Path) -> None:
     """What overflows once it is squared is told where it stands."""
     (tmp_path / "r.urdf").write_text(

@@ -185,6 +185,19 @@ def test_a_contact_within_what_the_cell_allows_is_told_and_goes_on(tmp_path: Pat
     assert 10.0 < rig.arms[""].loop.touch < STIFF * 2e-3 + 200.0 * 0.02 + 1.0
 
 
+def test_the_side_of_a_table_is_met_at_its_edge(tmp_path: Path) -> None:
+    """Sideways under the table's top: the run ends at the first tick behind the edge, and nothing pushes up.
+
+    A spring of the whole depth, 70 mm, would push at once with 1400 N where 150 N are allowed.
+    """
+    program = "MOVE TRANS(350,0,330,0,180,0)\nDRAW 0,0,-100\nDRAW 200,0,0\nBREAK\n"
+    ended, recording = run(cell(tmp_path, program))
+    assert ended.fault is not None
+    assert "the tool runs into the side of table, 70 mm below its top" in str(ended.fault)
+    assert ":4:" in str(ended.fault) or "DRAW 200,0,0" in str(ended.fault)
+    assert recording.contacts.force.max(initial=0.0) == 0.0
+
+
 def test_the_table_ends_at_its_edge(tmp_path: Path) -> None:
     """Beside the table there is nothing to press on: an arm may reach below its height there."""
     path = cell(tmp_path, "MOVE TRANS(350,100,320,0,180,0)\nMOVES TRANS(350,100,270,0,180,0)\nBREAK\n")

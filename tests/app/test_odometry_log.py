@@ -160,7 +160,7 @@ FAULTS = [  # what was done to a good log, and what is said
     (times(3, 180 / np.pi), r"column 4 \(theta\) is in degrees instead of rad"),
     (times(slice(4, 6), 2 * np.pi / TICKS), r"moves and turns 0.00224\d times what the truth says: see diameters"),
     (times(slice(4, 6), TICKS), r"column \d \((left|right)\): the wheel's rim runs at .* m/s; up to 20 are plausible"),
-    (lambda v: v[:1], r"1_run-01.csv:1: 1 samples; two or more"),
+    (lambda v: v[:1], r"1_run-01.csv:1: 1 sample; two or more"),
     (lambda v: v[:0], r"1_run-01.csv:1: 0 samples; two or more"),
 ]  # fmt: skip
 

@@ -159,7 +159,7 @@ def test_only_markup_is_markup() -> None:
     assert html("{}{:.1f}", Html("<i>"), 2.0) == "<i>2.0"
     assert joined([html("{}", "<"), Html("<br>")], "|") == "&lt;|<br>"
     assert isinstance(joined([]), Html)
-    assert html("{}", "a\x1b[31m\x00b") == "a\ufffd[31m\ufffdb"
+    assert html("{}", "a\x1b[31m\x00b") == r"a\x1b[31m\x00b"
     with pytest.raises(AssertionError, match="does not use"):
         html("<p>", "forgotten")
 
@@ -307,3 +307,18 @@ def test_a_loop_in_a_long_log_is_shown_once() -> None:
     assert rows[3].last == pytest.approx(0.1 * (4 * 30))
     short, _ = event_rows(events[:13])  # as it came: there is no need
     assert len(short) == 1 + 3 * 3
+
+
+def test_nothing_turns_a_line_around() -> None:
+    """Marks of direction (Unicode annex 9) are shown by number, in markup and in what scripts put into the page."""
+    for number in (0x61C, 0x200E, 0x200F, *range(0x202A, 0x202F), *range(0x2066, 0x206A), 0x1B, 0x9B, 0x7F):
+        mark = chr(number)
+        shown = ascii(mark)[1:-1]
+        assert html("<h1>{}</h1>", f"a{mark}b") == f"<h1>a{shown}b</h1>"
+        if number in (0x1B, 0x9B, 0x7F):  # to a script they are data, and a browser shows none of them
+            continue
+        read = json.loads(script_json({"name": f"a\\{mark}b"}))
+        assert mark not in read["name"]
+        assert read["name"].startswith("a\\\\")
+        assert read["name"].endswith(f"{number:x}b")
+    assert json.loads(script_json("\\u202e \n √")) == "\\u202e \n √"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from holonom.errors import NotFinite, OutOfLimits
-from holonom.mechanics import load_arm
+from holonom.mechanics import IkStatus, load_arm
 from holonom.mechanics.numerical_inverse import solve_inverse
 from holonom.trace import compile, cos
 
@@ -36,6 +36,16 @@ def test_an_angle_whose_turns_cannot_be_told_is_refused(arm, angle):
         arm.ik_nearest(T, spoilt(angle))
     with pytest.raises(OutOfLimits, match=r"q0\[2\]"):
         solve_inverse(arm, T, spoilt(angle), limits=False)
+
+
+def test_an_input_that_comes_through_an_arctangent_is_no_angle(arm):
+    """sin(atan2(y, x)) = y / hypot(x, y), whatever their size: a far pose is out of reach, and no lost revolution."""
+    T = arm.fk(Q)
+    T[0, 3] = 1e18
+    assert (arm.ik(T).status != IkStatus.OK).all()
+    T[0, 3] = 1e300
+    with pytest.raises(OutOfLimits, match=r"T\[3\] is 1e\+300: beyond 1e\+100 products of it overflow"):
+        arm.ik(T)
 
 
 def test_an_angle_of_many_turns_is_what_it_is(arm):

@@ -195,6 +195,11 @@ def test_shipped_files(data_folder, tmp_path):
 @pytest.mark.parametrize(
     ("expression", "said"),
     [
+        ("math.factorial(10**7)", r"\$\{math.factorial\(10\*\*7\)\} is not evaluated within a second"),
+        ("'%09999999d' % 3", r"has 9999999 elements; 1000000 at most"),
+        ("'a'.ljust(10**8)", r"has 100000000 elements; 1000000 at most"),
+        ("'a'.ljust(10**10)", r"more than 1024 MiB are needed"),
+        ("[k for k in range(3000) for j in range(3000)]", r"not evaluated within a second|has 9000000 elements"),
         ("9**9**9", r"9 \*\* 387420489 has more than 400 digits"),
         ("(10**300)**10", "has more than 400 digits"),
         ("2 ** (1 &lt;&lt; 70)", "has more than 400 digits"),

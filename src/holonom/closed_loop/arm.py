@@ -30,7 +30,7 @@ from holonom.sim.arm.world import Fingers, Surface, World
 __all__ = ["Contact", "SimulatedArm", "SimulatedHand"]
 
 INSIDE = 2e-3
-"""m from which the tool of ideal joints is inside a surface."""
+"""m from which the tool of ideal joints is inside a surface, and below which its edge is its side."""
 NOWHERE = -1e3
 """Height, m, of the ground where there is none."""
 
@@ -65,11 +65,15 @@ class SimulatedHand:
 
 
 class Contact(NamedTuple):
-    """What the tool, or what it holds, presses on: the surface's name, the force (N; None: nobody knows), depth (m)."""
+    """What the tool, or what it holds, presses on: the surface's name, the force (N; None: nobody knows), depth (m).
+
+    `beside`: it ran into the surface's side, of which the plant knows no force.
+    """
 
     surface: str
     force: float | None
     depth: float
+    beside: bool = False
 
 
 class SimulatedArm:
@@ -114,6 +118,7 @@ class SimulatedArm:
         self._world = world if world is not None and world.surfaces else None
         self._under: Surface | None = None
         self._depth = -math.inf
+        self._beside = False
         self.machine = ArmMachine(
             loop.arm,
             loop,
@@ -145,6 +150,8 @@ class SimulatedArm:
     def contact(self) -> Contact | None:
         """What it pressed on in the last tick; of ideal joints, in what it is inside."""
         force, surface = self.loop.pressing, self._under
+        if self._beside and surface is not None:
+            return Contact(surface.name, None, self._depth, beside=True)
         if force is None:
             return Contact(surface.name, None, self._depth) if surface is not None and self._depth > INSIDE else None
         if force <= 0.0:
@@ -157,9 +164,15 @@ class SimulatedArm:
             return
         hang = self.fingers.hang * max(-float(tool[2, 2]), 0.0) if self.fingers is not None else 0.0
         low = tool[:3, 3] - [0.0, 0.0, hang]
-        self._under = self._world.under(low, self._under)
+        before, was, self._under = self._under, self._depth, self._world.under(low, self._under)
         height = self._under.height if self._under is not None else NOWHERE
         self._depth = height - float(low[2])
+        # Over an edge the top would push at once with all of the depth; what is met there is the side.
+        self._beside = self._depth > INSIDE and (
+            self._beside or (self._under is not before and self._depth > was + INSIDE)
+        )
+        if self._beside:
+            height = NOWHERE
         base = 0.0 if self._true is None else float(self._true()[2, 3])
         self.loop.ground = height + hang - base
 

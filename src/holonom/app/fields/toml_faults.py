@@ -17,8 +17,10 @@ from holonom.app.fields.toml_lines import KeyPath, check_bounds, key_lines
 from holonom.errors import InputError, UnknownName
 from holonom.files import NESTING
 
-__all__ = ["explained", "line_of", "parse_toml", "worded_faults", "written_key"]
+__all__ = ["MOST", "explained", "line_of", "parse_toml", "worded_faults", "written_key"]
 
+MOST = 20
+"""Faults of one file that are told; of more their number."""
 _EXPECTED = {
     "int_type": "a whole number is expected",
     "model_type": "a table is expected",
@@ -80,18 +82,13 @@ def worded_faults(
     also : keys that a table of the file may have beside those of the model.
     """
     lines = key_lines(text)
-    told = [fault for fault in faults if not _follows(fault, faults)]
-    placed = [(place(tuple(fault["loc"])), explained(model, fault, also)) for fault in told]
-    located = sorted((line_of(at, lines), written_key(at), explanation) for at, explanation in placed)
-    return "\n".join(f"{path}:{line}: {key}: {explanation}" for line, key, explanation in located)
-
-
-def _follows(fault: ErrorDetails, faults: Sequence[ErrorDetails]) -> bool:
-    """A list that is too short only because one of its elements is at fault itself."""
-    loc = fault["loc"]
-    return fault["type"] == "too_short" and any(
-        other["loc"][: len(loc)] == loc and other is not fault for other in faults
-    )
+    within = {tuple(fault["loc"][:k]) for fault in faults for k in range(len(fault["loc"]))}
+    told = [fault for fault in faults if not (fault["type"] == "too_short" and tuple(fault["loc"]) in within)]
+    placed = [(place(tuple(fault["loc"])), fault) for fault in told]
+    located = sorted(((line_of(at, lines), written_key(at), fault) for at, fault in placed), key=lambda one: one[:2])
+    worded = [f"{path}:{line}: {key}: {explained(model, fault, also)}" for line, key, fault in located[:MOST]]
+    more = [f"{path}: and {len(located) - MOST} more faults"] if len(located) > MOST else []
+    return "\n".join(worded + more)
 
 
 def line_of(loc: KeyPath, lines: Mapping[KeyPath, int]) -> int:
@@ -111,7 +108,7 @@ def explained(
     context, came = fault.get("ctx", {}), fault["input"]
     match fault["type"]:
         case "value_error":
-            return str(context["error"])
+            return _shortened(str(context["error"]), 1000)
         case "extra_forbidden":
             table = tuple(fault["loc"][:-1])
             keys = [*_model_at(model, table).model_fields, *also.get(table, ())]
@@ -119,7 +116,7 @@ def explained(
         case "missing":
             return f"missing; expected: {_description(model, fault['loc'])}"
         case "literal_error":
-            return str(UnknownName("setting", str(came), re.findall(r"'(.*?)'", context["expected"])))
+            return str(UnknownName("setting", str(came)[:200], re.findall(r"'(.*?)'", context["expected"])))
         case "too_short":
             came, least = context["actual_length"], context["min_length"]
             return f"{came} came; at least {least} are needed: {_description(model, fault['loc'])}"
@@ -128,7 +125,15 @@ def explained(
             return f"{came} came; {most} are allowed: {_description(model, fault['loc'])}"
         case kind:
             expected = _EXPECTED.get(kind) or fault["msg"].replace("Input", "it", 1)
-            return f"{came!r} came; {expected}: {_description(model, fault['loc'])}"
+            return f"{_shown(came)} came; {expected}: {_description(model, fault['loc'])}"
+
+
+def _shown(came: object) -> str:
+    return _shortened(repr(came), 200)
+
+
+def _shortened(text: str, most: int) -> str:
+    return text if len(text) <= most else f"{text[: most // 2]} ... {text[-most // 2 :]}"
 
 
 def _description(model: type[BaseModel], loc: KeyPath) -> str:

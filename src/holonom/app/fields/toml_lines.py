@@ -19,6 +19,8 @@ __all__ = ["KeyPath", "check_bounds", "key_lines"]
 KeyPath = tuple[str | int, ...]
 """Keys of tables and indices of arrays from the root down: ("camera", "points", 0, "pixel")."""
 
+KEYS = 10_000
+"""Keys and tables of a TOML file."""
 _TOKEN = re.compile(
     r"(?P<skip>[ \t\r]+|\#[^\n]*)"
     r'|(?P<text>"""(?:\\.|[^\\])*?"{3,5}|\'\'\'.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\')'
@@ -41,13 +43,18 @@ def key_lines(text: str) -> dict[KeyPath, int]:
 
 
 def check_bounds(path: Path, text: str, problem: type[InputError]) -> None:
-    """Raise `problem` where a text nests deeper, or holds a number that is longer, than a TOML file is read.
+    """Raise `problem` where a text nests deeper, or holds more keys or a longer number, than a TOML file is read.
 
     The text need not be valid.
     """
-    depth = dots = 0
+    depth = dots = keys = 0
+    last = ""
     for token in _tokens(text):
         mark = token.text if token.kind == "mark" else ""
+        keys += mark == "=" or (mark == "[" and depth == 0 and last != "=")
+        last = mark
+        if keys > KEYS:
+            raise problem(f"{path}:{token.line}: more than {KEYS} keys and tables; split the file")
         depth = max(0, depth + (mark in ("[", "{")) - (mark in ("]", "}")))
         dots = dots + 1 if mark == "." else 0 if mark else dots
         if max(depth, dots) > NESTING:

@@ -20,7 +20,7 @@ from holonom.app.odometry_log.log import OdometryLog
 from holonom.app.odometry_log.table import Table, read_table
 from holonom.arrays import Array
 from holonom.errors import LogError
-from holonom.files import read_text
+from holonom.files import decimal, read_text
 from holonom.mobile.calibration import DRIVES, Run, article, drive_parameters
 from holonom.mobile.odometry import angle_per_tick
 
@@ -140,7 +140,7 @@ class _Facts:
         if len(cells) != count:
             raise LogError(f"{place}: {len(cells)} number(s) came; {article(self.kind.drive)} base has {count}")
         try:
-            values = [float(cell) for cell in cells]
+            values = [decimal(cell) for cell in cells]
         except ValueError:
             raise LogError(f"{place}: {', '.join(cells)} came; numbers are expected") from None
         if not np.all(np.isfinite(values)):

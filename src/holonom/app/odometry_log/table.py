@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import dataclasses
 import io
 import itertools
@@ -15,13 +16,14 @@ import numpy as np
 
 from holonom.arrays import Array
 from holonom.errors import LogError
-from holonom.files import check_lines, read_text
+from holonom.files import check_lines, decimal, read_text
 
 __all__ = ["Table", "read_table"]
 
 
 NAME = re.compile(r"[\w .()\[\]/%*^-]{1,64}")
 """What columns may be called."""
+QUOTED = re.compile(r'"[^"]*"')
 SHOWN = 24
 """Characters of a cell that a message shows; no number has more."""
 
@@ -87,16 +89,17 @@ def read_table(
     """
     text = read_text(path, "log", LogError)
     check_lines(text, path, LogError)
-    rows = text.splitlines()
+    rows = text.split("\n")
     lines = [number for number, line in enumerate(rows, start=1) if line.strip()]
     if not lines and names is None:
         raise LogError(f"{path}:1: the file is empty; a header line and two samples or more are expected")
     mark = _separator(rows[lines[0] - 1]) if lines else ","
     if names is None:
-        names, lines = [name.strip().strip('"') for name in rows[lines[0] - 1].split(mark)], lines[1:]
+        names, lines = [name.strip() for name in _cells(path, lines[0], rows[lines[0] - 1], mark)], lines[1:]
         _check_header(path, names)
     if len(lines) < 2:
-        raise LogError(f"{path}:1: {len(lines)} samples; two or more are expected: the run was not recorded")
+        count = "1 sample" if lines else "0 samples"
+        raise LogError(f"{path}:1: {count}; two or more are expected: the run was not recorded")
     kept = [k for k, name in enumerate(names) if needed is None or name in needed]
     may = [names[k] in sparse for k in kept]
     values = _numbers(path, rows, lines, names, kept, may, mark)
@@ -114,7 +117,20 @@ def read_table(
 
 def _separator(line: str) -> str:
     """What stands between the cells of a line: a semicolon or a tab where there is one, else a comma."""
-    return next((mark for mark in (";", "\t") if mark in line), ",")
+    bare = QUOTED.sub("", line)
+    return next((mark for mark in (";", "\t") if mark in bare), ",")
+
+
+def _cells(path: Path, number: int, line: str, mark: str) -> list[str]:
+    """The cells of a line; in quotes as RFC 4180 has them, but for line breaks."""
+    if '"' not in line:
+        return line.split(mark)
+    try:
+        return next(csv.reader([line], delimiter=mark, skipinitialspace=True, strict=True))
+    except csv.Error:
+        raise LogError(
+            f"{path}:{number}: quotes that do not enclose a cell of this line; repair or leave them out"
+        ) from None
 
 
 def _check_header(path: Path, names: Sequence[str]) -> None:
@@ -144,7 +160,7 @@ def _numbers(
             return values
     values = np.empty((len(lines), len(kept)))
     for k, number in enumerate(lines):
-        cells = rows[number - 1].split(mark)
+        cells = _cells(path, number, rows[number - 1], mark)
         if len(cells) != len(names):
             raise LogError(f"{path}:{number}: {len(cells)} columns; {len(names)} are expected: {', '.join(names)}")
         for j, column in enumerate(kept):
@@ -153,12 +169,12 @@ def _numbers(
 
 
 def _number(path: Path, line: int, column: int, name: str, cell: str, mark: str, *, empty: bool) -> float:
-    text = cell.strip().strip('"')
+    text = cell.strip()
     if empty and text == "":
         return float("nan")
     text = text.replace(",", ".") if mark != "," and text.count(",") == 1 else text
     try:
-        return float(text)
+        return decimal(text)
     except ValueError:
         came = cell.strip()
         shown = repr(came) if len(came) <= SHOWN else f"a text of {len(came)} characters"
@@ -167,7 +183,7 @@ def _number(path: Path, line: int, column: int, name: str, cell: str, mark: str,
 
 def _is_number(text: str) -> bool:
     try:
-        float(text)
+        decimal(text)
     except ValueError:
         return False
     return True

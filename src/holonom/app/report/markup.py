@@ -1,7 +1,8 @@
 """The one way of putting text into a page: whatever is no markup already is escaped.
 
 Names, labels, program lines and events come from cells, recordings and other machines: none of it can be markup, script
-or style. The page's policy lets a browser run nothing but the scripts that were written here.
+or style. Characters that turn a line around or steer otherwise are shown by their numbers, as on a terminal. The page's
+policy lets a browser run nothing but the scripts that were written here.
 """
 
 from __future__ import annotations
@@ -15,10 +16,14 @@ from html import escape
 from string import Formatter
 from typing import Any
 
+from holonom.app.console.printable import printable
+
 __all__ = ["Html", "colour", "html", "joined", "policy", "script_json"]
 
-CONTROLS = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ufdd0-\ufdef\ufffe\uffff\ud800-\udfff]")
+NO_CHARACTERS = re.compile("[\ufdd0-\ufdef\ufffe\uffff]")
 """What no page may hold."""
+STEERS = re.compile(r"\\(?:u(061c|200[ef]|202[a-e]|206[6-9])|.)")
+"""In JSON: an escape; of a mark of direction, its number."""
 COLOUR = re.compile(r"#[0-9a-fA-F]{3,8}|[a-zA-Z]{1,30}|var\(--[a-z]+\)")
 NEUTRAL = "#64748b"
 
@@ -61,6 +66,7 @@ def colour(text: str) -> str:
 def script_json(value: object) -> Html:
     """JSON that nothing within it can end, or turn into markup or script."""
     text = json.dumps(value, separators=(",", ":"))  # in ASCII: line separators are \\u2028 and \\u2029
+    text = STEERS.sub(lambda found: f"\\\\u{found[1]}" if found[1] else found[0], text)
     return Html(text.replace("&", "\\u0026").replace("<", "\\u003c").replace(">", "\\u003e"))
 
 
@@ -75,4 +81,4 @@ def policy(scripts: Sequence[str]) -> Html:
 
 
 def _safe(text: str) -> str:
-    return escape(CONTROLS.sub("\ufffd", text))
+    return escape(NO_CHARACTERS.sub("\ufffd", printable(text)))

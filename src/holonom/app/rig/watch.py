@@ -54,6 +54,11 @@ class Watch:
         self._touching = touches
         if contact is None:
             return
+        if contact.beside:
+            raise ContactFault(
+                f"the tool runs into the side of {contact.surface}, {1e3 * contact.depth:.0f} mm below its top; "
+                "go around it, or above it"
+            )
         if contact.force is None:
             raise ContactFault(
                 f"the tool is {1e3 * contact.depth:.0f} mm inside {contact.surface}, which ideal joints do not feel; "

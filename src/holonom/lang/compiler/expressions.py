@@ -11,7 +11,7 @@ from holonom.lang.compiler.symbols import PLAIN, Symbol, SymbolKind, kind_of_nam
 from holonom.lang.diagnostics import Node, nearest, span_of
 from holonom.lang.vm.formats import FORMATS, check_format
 from holonom.lang.words.builtin import Builtin, Kind
-from holonom.lang.words.foreign import foreign_hint
+from holonom.lang.words.foreign import OTHERWISE, foreign_hint
 from holonom.lang.words.functions import FUNCTIONS, SHIFT
 
 __all__ = ["arguments", "is_variable", "items", "reference", "value", "write"]
@@ -89,7 +89,8 @@ def arguments(b: Builder, node: Node, builtin: Builtin, where: Node | Token) -> 
     if builtin.repeat:
         expected += expected[-1:] * (len(given) - len(expected))
     if len(given) > len(expected):
-        b.error(given[len(expected)] or where, f"too many values for {builtin.name}", f"write {builtin.usage}")
+        hint = OTHERWISE.get(builtin.name, f"write {builtin.usage}")
+        b.error(given[len(expected)] or where, f"too many values for {builtin.name}", hint)
         return 0
     given += [None] * (len(expected) - len(given))
     count = 0

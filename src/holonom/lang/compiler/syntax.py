@@ -12,7 +12,7 @@ from lark.exceptions import UnexpectedInput
 from holonom.errors import ProgramError
 from holonom.files import check_lines
 from holonom.lang.diagnostics import Diagnostic, Node, Span, nearest, span_of
-from holonom.lang.words.foreign import foreign_hint
+from holonom.lang.words.foreign import OTHERWISE, foreign_hint
 from holonom.lang.words.instructions import INSTRUCTIONS
 from holonom.lang.words.table import SYNTAX_WORDS
 
@@ -159,7 +159,8 @@ def _misplaced(error: UnexpectedInput, text: str, file: str) -> Diagnostic:
         span = Span(last, len(_line(text, last)) + 1, len(_line(text, last)) + 2)
     what = f"{_describe(token)} cannot stand here; expected {_listed(accepted)}"
     opened = [t for t in read if isinstance(t, Token) and t.type in _OPENS]
-    hint = _unclosed(token, opened) or _hint(token, before, accepted)
+    sets = "EQUAL" in accepted and any(isinstance(t, Token) and t.type == "_SET" for t in read[-2:])
+    hint = OTHERWISE["SET"] if sets else _unclosed(token, opened) or _hint(token, before, accepted)
     return Diagnostic(file, span, what, hint, _line(text, span.line))
 
 

@@ -20,7 +20,7 @@ FORMATS = {
 }
 """Formats of TYPE and $ENCODE: how each is written, and what it does."""
 
-_SHAPE = re.compile(r"(?:([FE])(\d{1,2})\.(\d{1,2})|I(\d{1,2})|([XC])(\d{0,2})|([DS]))", re.IGNORECASE)
+_SHAPE = re.compile(r"(?:([FE])(\d{1,2})\.(\d{1,2})|I(\d{1,2})|([XC])(\d{0,2})|([DS]))", re.IGNORECASE | re.ASCII)
 
 
 def check_format(code: str) -> bool:

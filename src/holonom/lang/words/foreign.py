@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-__all__ = ["FOREIGN", "foreign_hint"]
+__all__ = ["FOREIGN", "OTHERWISE", "foreign_hint"]
 
 _NONE = ""
 _NO_TYPES = "left out: a variable needs no declaration, LOCAL and AUTO make it a program's own"
@@ -44,7 +44,7 @@ _V_PLUS: Mapping[str, str] = {
     **dict.fromkeys(
         ("$DECODE", "$UNPACK", "PACK", "$PACK", "$TIME", "$INTB", "$FLTB", "INTB", "FLTB", "STRDIF"), _NONE
     ),
-    **_each("VDISPLAY VWINDOW SELECT", _NONE),
+    **_each("VDISPLAY VWINDOW SELECT TRACE FLOAT PENDANT RETRY PROCEED", _NONE),
     "NONULL": "COARSE",
     "RELAXI": "OPENI",
     "GRASP": "CLOSEI",
@@ -75,6 +75,7 @@ _AS: Mapping[str, str] = {
     **dict.fromkeys(
         ("BRAKE", "WEIGHT", "MVWAIT", "PCEXECUTE", "SCALL", "HSIGNAL", "RUNMASK", "SLOW_REPEAT", "ENV_DATA"), _NONE
     ),
+    **_each("HOLD CYCLE TRACE FLOAT SFLOW CONTINUE", _NONE),
     "SWAIT": "WAIT.SIGNAL",
     "TWAIT": "DELAY",
     "STABLE": "DELAY",
@@ -106,12 +107,18 @@ _RAPID: Mapping[str, str] = {
     "TEST": "CASE value OF",
     "DEFAULT": "ANY",
     "TPWRITE": "TYPE",
+    **_each("PDISPON PDISPOFF PDISPSET EOFFSON EOFFSOFF EOFFSSET", _NONE),
     **_each("TPREADNUM TPREADFK TPERASE CONNECT TRAP ISIGNALDI IDELETE", _NONE),
     **_each("PULSEDO SETGO SETAO STOPMOVE STARTMOVE RAISE RETRY TRYNEXT", _NONE),
     "WAITTIME": "DELAY",
     "WAITUNTIL": "WAIT",
     **_each("WAITDI WAITDO", "WAIT.SIGNAL"),
     "SETDO": "SIGNAL",
+    **_each("INVERTDO", "SIGNAL"),
+    **_each(
+        "PATHACCLIM SOFTACT SOFTDEACT PATHRESOL WORLDACCLIM MOTIONSUP PATHRECSTART",
+        _NONE,
+    ),
     "OFFS": "SHIFT(location BY dx, dy, dz)",
     "RELTOOL": "location:TRANS(dx, dy, dz)",
     "CROBT": "WHERE",
@@ -137,6 +144,7 @@ _KRL: Mapping[str, str] = {
     "LIN_REL": "DRAW",
     "PTP_REL": "DRIVE, one joint at a time",
     **_each("CIRC CIRC_REL SCIRC SPLINE INTERRUPT TRIGGER BRAKE RESUME PULSE", _NONE),
+    **_each("ONEXIT", _NONE),
     **_each("ADVANCE ANIN ANOUT DIGIN CONTINUE EXT EXTFCT", _NONE),
     "DEF": ".PROGRAM name()",
     "DEFFCT": ".PROGRAM name(), which gives its result in a parameter",
@@ -183,6 +191,13 @@ def _gathered() -> dict[str, dict[str, str]]:
 
 FOREIGN: Mapping[str, Mapping[str, str]] = _gathered()
 """By word in capitals: of each language that has it, what ARPS has in its place; "" where there is nothing yet."""
+
+
+OTHERWISE: Mapping[str, str] = {
+    "SET": "SET gives a location its value: SET name = location; an output is switched on by SIGNAL",
+    "RESET": "RESET takes no value and switches every signal off; one output is switched off by SIGNAL -n",
+}
+"""Words of ours that mean something else in RAPID: what to write instead, where one does not fit."""
 
 
 def foreign_hint(word: str) -> str:

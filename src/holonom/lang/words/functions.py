@@ -31,7 +31,7 @@ FEATURES: dict[int, tuple[str, float]] = {
 }
 """What VFEATURE(n) gives after VLOCATE: its meaning, and the factor from SI to the unit of the language."""
 
-_NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)(E[+-]?\d+)?", re.IGNORECASE)
+_NUMBER = re.compile(r"\s*[+-]?(\d+(\.\d*)?|\.\d+)(E[+-]?\d+)?", re.IGNORECASE | re.ASCII)
 
 
 def _logical(condition: bool) -> float:

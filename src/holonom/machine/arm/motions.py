@@ -15,6 +15,7 @@ from holonom.machine.arm.clock import TICK
 from holonom.mechanics import Arm, IkStatus
 from holonom.mechanics.arm.members import Reference, nearest_members
 from holonom.mechanics.motion import Trajectory, plan_joint, plan_line
+from holonom.mechanics.motion.trajectory import check_inside, joint_vector
 from holonom.model.joint_values import in_degrees, range_in_degrees
 
 __all__ = ["LineSettings", "MotionRequest", "branch_joints", "plan"]
@@ -231,4 +232,5 @@ def _plan_joint(arm: Arm, q0: Array, motion: MotionRequest, dt: float) -> Trajec
     if q1 is None:
         assert motion.pose is not None
         q1 = branch_joints(arm, motion.pose, q0, motion.configuration)
+    check_inside(joint_vector("q1", q1, arm.n), arm.limits, in_degrees=True)
     return plan_joint(q0, q1, arm.limits, speed=motion.speed, acceleration=motion.acceleration, dt=dt, line=motion.line)

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike
 
 from holonom.errors import InputError, ShapeError
 from holonom.mechanics.arm.targets import check_lost, points
-from holonom.mechanics.kernels.inverse.closed_form import FAMILIES
 from holonom.mechanics.kernels.inverse.geometry import UNREACHABLE, refined
 from holonom.mechanics.kernels.inverse.result import IkResult
 from holonom.mechanics.kernels.protocol import SolvedArm
@@ -32,7 +31,7 @@ class Branches:
         form = arm.closed_form
         if form is None:
             raise InputError(
-                f"arm {arm.model.name!r} has no closed-form inverse: its axes lie like none of {', '.join(FAMILIES)}; "
+                f"arm {arm.model.name!r} has no closed-form inverse: its axes lie like those of no known family; "
                 "ik_nearest(T, q0) finds one solution numerically"
             )
         self._arm, self._call, self._limits = arm, solver(), (arm.limits.lower, arm.limits.upper)

@@ -39,12 +39,17 @@ def changed_limits(
             bounds = joints[i].limits
             raise InputError(f"joint {joints[i].name!r} would have limits {bounds.lower:g} .. {bounds.upper:g}")
     for what, factor in (("speed", speed), ("acceleration", acceleration)):
-        if not (math.isfinite(factor) and factor > 0.0):
-            raise InputError(f"{what} is {shown(factor)}; a positive factor of the joints' limits is needed")
+        number = real_array(what, factor)
+        if number.shape != () or not (math.isfinite(number) and number > 0.0):
+            raise InputError(
+                f"{what} is {shown(factor)}; one positive factor of all joints' limits is needed; "
+                f"{what}s= takes the limits of each"
+            )
+        factor = float(number)
         open_ = [joints[i].name for i in moving if math.isinf(getattr(joints[i].limits, what))]
         if factor != 1.0 and open_:
             raise InputError(
                 f"{what} = {factor:g} is to scale limits that are not stated: those of {', '.join(open_)}; "
                 f"give {what}s= in their units"
             )
-    return tuple(joint.scaled(speed, acceleration) for joint in joints)
+    return tuple(joint.scaled(float(speed), float(acceleration)) for joint in joints)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, real_array
 from holonom.errors import MotionError, NotFinite, OutOfLimits, ShapeError
-from holonom.model import outside
+from holonom.model import joint_values, outside
 from holonom.model.joint_values import looks_like_degrees, written
 
 __all__ = [
@@ -253,11 +253,20 @@ def joint_vector(name: str, value: ArrayLike, n: int) -> Array:
     return vector
 
 
-def check_inside(q: Array, limits: JointLimits) -> None:
-    """Raise `OutOfLimits` where a position in `q` (n,) lies outside its limits."""
+def check_inside(q: Array, limits: JointLimits, *, in_degrees: bool = False) -> None:
+    """Raise `OutOfLimits` where a position in `q` (n,), rad or m, lies outside its limits.
+
+    `in_degrees`: they were written in degrees and mm, and are told so; otherwise degrees are asked about.
+    """
     beyond = outside(q, limits.lower, limits.upper)
     if beyond.any():
         j = int(np.argmax(beyond))
+        if in_degrees:
+            low, high, turns = limits.lower[j], limits.upper[j], limits.turns[j]
+            raise OutOfLimits(
+                f"{limits.names[j]} is to go to {joint_values.in_degrees(q[j], turns)}; "
+                f"its limits are {joint_values.range_in_degrees(low, high, turns)}"
+            )
         degrees = looks_like_degrees(q, limits.lower, limits.upper, limits.turns)
         hint = "; angles are in rad: are these degrees? give numpy.radians(q)" if degrees else ""
         raise OutOfLimits(

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from xml.parsers import expat
 
 from holonom.errors import ModelError
+from holonom.files import decimal
 
 __all__ = ["MAX_BYTES", "Element", "NotWellFormed", "Origin", "fault", "parse_xml", "placed"]
 
@@ -92,10 +93,10 @@ def _short(word: str) -> str:
 
 def _finite(element: Element, attribute: str, word: str) -> float:
     try:
-        value = float(word)
+        value = decimal(word)
     except ValueError:
         value = math.nan
-    if not math.isfinite(value) or "_" in word:
+    if not math.isfinite(value):
         raise fault(element, f'<{element.tag}> {attribute}="{_short(word)}": a finite number is needed')
     if abs(value) > LARGEST:
         raise fault(element, f'<{element.tag}> {attribute}="{_short(word)}": numbers up to {LARGEST:g} are read')

@@ -13,10 +13,11 @@ import glob  # noqa: F401  (loaded before the fence stands)
 import json
 import os
 import re
+import signal
 import sys
 import types
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, ClassVar
 from xml.dom import expatbuilder, minidom
 from xml.parsers import expat
 
@@ -33,7 +34,11 @@ LARGEST_FILE = 16 * 2**20
 DIGITS = 400
 """Digits of a whole number: a double has 309 before its point."""
 LONGEST = 1_000_000
-"""Elements of a range, characters of a repeated text."""
+"""Elements of a range, characters of a text."""
+EXPRESSION_SECONDS = 1.0
+"""Of the processor, for one expression."""
+NOTE = 4096
+"""First bytes of the error stream (a file): place and text of the expression that is being evaluated, as JSON."""
 HARMLESS = {
     "builtins.id",
     "code.__new__",
@@ -104,12 +109,67 @@ def _checked_eval(expression: str, symbols: dict[str, Any], local: Mapping[str, 
     symbols.update(__builtins__={}, __power=_power, __times=_times, __shifted=_shifted)
     if "range" in symbols:
         symbols["range"] = _range
-    return eval(compile(bounded, "<expression>", "eval"), symbols, local)
+    compiled = compile(bounded, "<expression>", "eval")
+    if any(isinstance(node, _Bounded.CALLS) for node in ast.walk(tree)):
+        with _Watch(expression):
+            value = eval(compiled, symbols, local)
+    else:
+        value = eval(compiled, symbols, local)
+    if isinstance(value, str | bytes | list | tuple | dict | set) and len(value) > LONGEST:
+        raise Refused(f"${{{_cut(expression)}}} has {len(value)} elements; {LONGEST} at most")
+    return value
+
+
+class _Watch:
+    """Ends the process when one expression takes longer than it may; the note tells which one that was.
+
+    A library function written in C cannot be interrupted otherwise: no Python handler runs before it returns.
+    """
+
+    waiting: ClassVar[list[bytes]] = []
+
+    def __init__(self, expression: str) -> None:
+        file, line = _place_of(sys._getframe(2))
+        note = json.dumps({"file": file, "line": line, "expression": _cut(expression)}).encode()
+        self.note = note[:NOTE].ljust(NOTE)
+
+    def __enter__(self) -> None:
+        self.waiting.append(self.note)
+        self._start()
+
+    def __exit__(self, *_: object) -> None:
+        self.waiting.pop()
+        self._start()
+
+    def _start(self) -> None:
+        if not hasattr(signal, "setitimer"):  # not on this system
+            return
+        if self.waiting:
+            os.pwrite(2, self.waiting[-1], 0)
+        signal.setitimer(signal.ITIMER_PROF, EXPRESSION_SECONDS if self.waiting else 0.0)
+
+
+def _cut(expression: str) -> str:
+    return expression if len(expression) <= 80 else f"{expression[:77]}..."
+
+
+def _place_of(frame: types.FrameType | None) -> tuple[str, int]:
+    """File and line of the innermost element that the calling frames work on."""
+    while frame is not None:
+        values = frame.f_locals
+        for name in ("node", "elt", "tag"):
+            ask = getattr(values.get(name), "getUserData", None)
+            if ask and (place := ask("origin")):
+                return str(place[0]), int(place[1])
+        frame = frame.f_back
+    return "", 1
 
 
 class _Bounded(ast.NodeTransformer):
     """Puts what can grow without bound through a function that looks before it computes."""
 
+    CALLS = (ast.Call, ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp, ast.Mod, ast.JoinedStr)
+    """What may take long in one step."""
     GROWS = {ast.Pow: "__power", ast.Mult: "__times", ast.LShift: "__shifted"}
 
     def visit_BinOp(self, node: ast.BinOp) -> Any:
@@ -283,4 +343,5 @@ def _message(error: BaseException) -> str:
 
 
 if __name__ == "__main__":
+    os.lseek(2, NOTE, os.SEEK_SET)
     print(json.dumps(_answer(json.load(sys.stdin))))

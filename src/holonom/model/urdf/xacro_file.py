@@ -7,6 +7,7 @@ import json
 import signal
 import subprocess
 import sys
+import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,10 @@ __all__ = ["expand_xacro"]
 
 TIME_LIMIT = 60.0
 """Seconds; a file whose macros call each other without end is stopped."""
+LONG = "do its macros call each other, or does it loop too often?"
+NOTE = 4096
+"""`xacro_child.NOTE`: bytes at the head of the error stream that name the expression being evaluated."""
+LARGEST_NOTE = 2**16
 
 
 def expand_xacro(
@@ -59,22 +64,36 @@ def _folder(name: str, folder: Path) -> str:
 def _child(file: Path, request: str) -> dict[str, Any]:
     """Run the expansion with an empty environment, in the file's folder."""
     command = [sys.executable, "-I", str(Path(__file__).with_name("xacro_child.py"))]
-    try:
-        done = subprocess.run(
-            command,
-            input=request.encode(),
-            capture_output=True,
-            env={},
-            cwd=file.resolve().parent,
-            timeout=TIME_LIMIT,
-            check=False,
-        )
-        answer: dict[str, Any] = json.loads(done.stdout)
-    except subprocess.TimeoutExpired:
-        raise ModelError(f"{file}: not expanded within {TIME_LIMIT:.0f} s; do its macros call each other?") from None
-    except ValueError:
-        if done.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
-            raise ModelError(f"{file}: not expanded within its time; do its macros call each other?") from None
-        last = done.stderr.decode(errors="replace").strip().splitlines()[-1:]
-        raise ModelError(f"{file}: the expansion broke off ({' '.join(last) or done.returncode})") from None
+    with tempfile.TemporaryFile() as errors:
+        try:
+            done = subprocess.run(
+                command,
+                input=request.encode(),
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                env={},
+                cwd=file.resolve().parent,
+                timeout=TIME_LIMIT,
+                check=False,
+            )
+            answer: dict[str, Any] = json.loads(done.stdout)
+        except subprocess.TimeoutExpired:
+            raise ModelError(f"{file}: not expanded within {TIME_LIMIT:.0f} s; {LONG}") from None
+        except ValueError:
+            errors.seek(0)
+            raise ModelError(_broken(file, done.returncode, errors.read(LARGEST_NOTE))) from None
     return answer
+
+
+def _broken(file: Path, code: int, told: bytes) -> str:
+    """What to say of an expansion that ended without an answer: `told` is the note of an expression, then errors."""
+    if code == -getattr(signal, "SIGPROF", 0):
+        note = json.loads(told[:NOTE])
+        return (
+            f"{note['file'] or file}, line {note['line']}: ${{{note['expression']}}} is not evaluated within a second; "
+            "write the number that it stands for"
+        )
+    if code in (-getattr(signal, "SIGXCPU", 0), -getattr(signal, "SIGKILL", 0)):
+        return f"{file}: not expanded within its time; {LONG}"
+    last = told[NOTE:].decode(errors="replace").strip().splitlines()[-1:]
+    return f"{file}: the expansion broke off ({' '.join(last) or code})"

@@ -206,9 +206,24 @@ Number = Scalar | float
 
 
 def turning_inputs(graph: Graph, live: Iterable[int]) -> set[str]:
-    """Names of the inputs that sines and cosines among some nodes are taken of."""
-    angles = [Scalar(graph, a) for i in live for a in graph.ops[i][1:] if graph.ops[i][0] in ("sin", "cos")]  # type: ignore[arg-type]
-    return {str(graph.ops[i][1]) for i in live_nodes(graph, angles) if graph.ops[i][0] == "in"}
+    """Names of the inputs that sines and cosines among some nodes are taken of.
+
+    An input that comes through an atan2 is none of them: that angle lies within a turn, however large the input.
+    """
+    found: set[str] = set()
+    seen: set[int] = set()
+    stack = [a for i in live for a in graph.ops[i][1:] if graph.ops[i][0] in ("sin", "cos")]
+    while stack:
+        i = stack.pop()
+        if not isinstance(i, int) or i in seen:
+            continue
+        seen.add(i)
+        op = graph.ops[i]
+        if op[0] == "in":
+            found.add(str(op[1]))
+        elif op[0] not in ("const", "atan2"):
+            stack += op[1:]
+    return found
 
 
 def live_nodes(graph: Graph, outputs: Iterable[Scalar]) -> list[int]:

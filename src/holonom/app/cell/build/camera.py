@@ -18,7 +18,7 @@ from holonom.app.cell.model.world import Camera
 from holonom.app.report import Detection, PhotoOverlay
 from holonom.arrays import Array
 from holonom.errors import CalibrationError, CellError, ImageError
-from holonom.files import check_lines, read_text
+from holonom.files import check_lines, decimal, read_text
 from holonom.lang import Part
 from holonom.sim import Disc as SimulatedDisc
 from holonom.spatial import pose
@@ -182,7 +182,7 @@ def _read_layout(path: Path) -> Array:
     check_lines(text, path, CellError, most=ROWS)
     reader = csv.DictReader(text.split("\n"), strict=True)
     try:
-        rows = [[float(row[key]) for key in ("u", "v", "diameter")] for row in reader]
+        rows = [[decimal(row[key]) for key in ("u", "v", "diameter")] for row in reader]
     except (KeyError, TypeError, ValueError, csv.Error):
         raise CellError(
             f"{path}:{max(1, reader.line_num)}: a value is missing or no number; a layout has the columns u,v,diameter"

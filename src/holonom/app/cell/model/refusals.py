@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from holonom.app.fields.toml_faults import explained
+from holonom.app.fields.toml_faults import MOST, explained
 from holonom.app.fields.toml_lines import KeyPath
 from holonom.errors import InputError
 
@@ -34,7 +34,9 @@ def read_form(form: type[Form], given: object, context: Any = None) -> Form:
         return form.model_validate(given, context=context)
     except ValidationError as error:
         faults = error.errors(include_url=False)
-        details = [_detail(fault["loc"], explained(form, fault), fault["input"]) for fault in faults]
+        details = [_detail(fault["loc"], explained(form, fault), fault["input"]) for fault in faults[:MOST]]
+        if len(faults) > MOST:
+            details.append(_detail((), f"and {len(faults) - MOST} more faults in this table", None))
         raise ValidationError.from_exception_data("cell", details) from None
 
 
