@@ -11,7 +11,7 @@ from holonom.app.odometry_log.spells import note_spells
 from holonom.app.odometry_log.story import check_columns, judge_miss
 from holonom.app.odometry_log.table import Table
 from holonom.errors import LogError
-from holonom.mobile.calibration import DriveParameters, Run, clock_offset, on_the_clock_of_the_wheels
+from holonom.mobile.calibration import Clock, DriveParameters, Run, clear_clock, on_the_clock_of_the_wheels
 from holonom.mobile.odometry import find_gaps
 
 __all__ = ["check_motion", "check_time", "in_one_clock", "part_names"]
@@ -119,20 +119,30 @@ def in_one_clock(
         doubts = check_motion(table, run, parameters, wheels)
     except LogError as problem:
         fault = problem
-    late = clock_offset(run, parameters.matrix(parameters.nominal)) if len(run.truth) else 0.0
-    if late == 0.0:
+    clock = clear_clock(run, parameters.matrix(parameters.nominal)) if len(run.truth) else Clock()
+    if clock == Clock():
         if fault is not None:
             raise fault
         return run, doubts
-    moved = on_the_clock_of_the_wheels(run, late)
+    moved = on_the_clock_of_the_wheels(run, clock)
     first = int(np.searchsorted(run.time, moved.time[0]))
     part = table.cut([first, first + len(moved.time)])[1]
     try:
         doubts = check_motion(part, moved, parameters, wheels)
     except LogError:
         raise (fault or LogError(f"{table.path}: wheels and truth disagree at any offset of their clocks")) from None
-    note = f"{table.path}: the truth's clock is {abs(late):.3g} s {'late' if late > 0.0 else 'early'}; put right"
-    return moved, (note, *doubts)
+    return moved, (f"{table.path}: the truth's clock {_said(clock, run)}; put right", *doubts)
+
+
+def _said(clock: Clock, run: Run) -> str:
+    """What is wrong with the truth's clock: "is 0.3 s late", and by how much it loses."""
+    late, gone = clock.late, clock.rate * float(run.time[-1] - run.time[0])
+    step = float(np.median(np.diff(run.time)))
+    told = f"is {abs(late):.3g} s {'late' if late > 0.0 else 'early'}"
+    if abs(gone) < step:
+        return told
+    rate = f"{'loses' if clock.rate > 0.0 else 'gains'} {100.0 * abs(clock.rate):.2g} %"
+    return rate if abs(late) < 0.5 * step else f"{rate} and {told} half-way"
 
 
 def _check_clock(table: Table, run: Run, radius: float) -> None:

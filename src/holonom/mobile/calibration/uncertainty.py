@@ -54,12 +54,16 @@ class _Scores:
     turn: Array
 
 
-def noise_covariance(parts: Sequence[RunPart]) -> Array:
-    """Covariance (p, p) of the scaled parameters at the least squares solution.
+def noise_covariance(parts: Sequence[RunPart], noise: Noise | None = None) -> Array:
+    """Covariance (p, p) of the scaled parameters at the least squares solution, by the noise that the parts show.
+
+    Parameters
+    ----------
+    noise : that of the base and the truth, where it is known from elsewhere.
 
     Source: the usual sandwich `H^-1 S H^-1` (White 1980), with S of the noise above.
     """
-    q = noise_of(parts)
+    q = noise_of(parts) if noise is None else noise
     p = parts[0].slope.shape[2]
     H, S = np.zeros((p, p)), np.zeros((p, p))
     for part in parts:
