@@ -11,7 +11,7 @@ from holonom.app.odometry_log.spells import note_spells
 from holonom.app.odometry_log.story import check_columns, judge_miss
 from holonom.app.odometry_log.table import Table
 from holonom.errors import LogError
-from holonom.mobile.calibration import Clock, DriveParameters, Run, clear_clock, on_the_clock_of_the_wheels
+from holonom.mobile.calibration import Clock, DriveParameters, Run, clear_clock, on_the_clock_of_the_wheels, seen_from
 from holonom.mobile.odometry import find_gaps
 
 __all__ = ["check_motion", "check_time", "in_one_clock", "part_names"]
@@ -98,9 +98,13 @@ def check_motion(table: Table, run: Run, parameters: DriveParameters, wheels: Se
     _check_clock(table, run, 0.5 * max(diameters))
     if not len(run.truth):
         return ()
-    miss = check_columns(table, run, M, wheels)
+    miss, frame = check_columns(table, run, M, wheels)
     _check_truth(table, run)
-    return (*judge_miss(table, miss), *note_spells(table, run, M, wheels))
+    notes = (*judge_miss(table, miss), *note_spells(table, run, M if frame is None else seen_from(M, frame), wheels))
+    if frame is None:
+        return notes
+    turned = f"{table.path}: the truth's frame is turned by {np.degrees(frame[2]):.1f} degrees against the base"
+    return (f"{turned}; the extended set finds it, the physical one takes it for geometry", *notes)
 
 
 def in_one_clock(

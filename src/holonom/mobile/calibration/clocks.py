@@ -11,7 +11,7 @@ from scipy.optimize import minimize
 from holonom.arrays import Array
 from holonom.mobile.calibration.runs import Run, dead_reckoning
 
-__all__ = ["Clock", "clear_clock", "clock_of", "on_the_clock_of_the_wheels"]
+__all__ = ["Clock", "clear_clock", "clock_of", "on_the_clock_of_the_wheels", "truth_frame"]
 
 
 SPAN = 0.2  # s of the motions that are compared
@@ -50,6 +50,31 @@ def clock_of(run: Run, matrix: Array) -> Clock:
 def clear_clock(run: Run, matrix: Array) -> Clock:
     """The same where it is clear: it leaves half of the disagreement at most, and is worth half a sample or more."""
     return _Compared.search(run, matrix, clear=True)
+
+
+def truth_frame(run: Run, matrix: Array) -> tuple[float, float, float]:
+    """Where the truth's frame is on the base, roughly: ahead and to the left, m, and its turn, rad.
+
+    By linear least squares of motions over short spans, those of the truth by `exp(-i yaw) (v + i w p)`.
+
+    Parameters
+    ----------
+    matrix : (3, f) motion matrix of the nominal geometry.
+    """
+    period = float(np.median(np.diff(run.time)))
+    half = max(1, round(0.5 * SPAN / period)) * period
+    inner = run.time[(run.time >= run.time[0] + half) & (run.time <= run.time[-1] - half)]
+    if len(inner) < LEAST:
+        return 0.0, 0.0, 0.0
+    truth = CubicSpline(run.time, np.column_stack([run.truth[:, :2], run.heading]))
+    ours = _motions(CubicSpline(run.time, dead_reckoning(run, matrix)), inner, half, 1.0)
+    theirs = _motions(truth, inner, half, 1.0)[:, :2] @ np.array([1.0, 1.0j])
+    effects = np.stack([ours[:, :2] @ np.array([1.0, 1.0j]), 1j * ours[:, 2]], axis=1)
+    turned, moved = np.linalg.lstsq(effects, theirs, rcond=1e-6)[0]
+    if turned == 0.0:
+        return 0.0, 0.0, 0.0
+    place = moved / turned
+    return float(place.real), float(place.imag), -float(np.angle(turned))
 
 
 def on_the_clock_of_the_wheels(run: Run, clock: Clock) -> Run:

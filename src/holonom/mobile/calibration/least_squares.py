@@ -10,8 +10,9 @@ import numpy as np
 
 from holonom.arrays import Array
 from holonom.errors import CalibrationError, OutOfLimits
+from holonom.mobile.calibration.clocks import truth_frame
 from holonom.mobile.calibration.limits import attainable, classical, largest_errors, within
-from holonom.mobile.calibration.parameters import DriveParameters, article, drive_parameters, wheels_of
+from holonom.mobile.calibration.parameters import DriveParameters, article, drive_parameters, turned_frame, wheels_of
 from holonom.mobile.calibration.pieces import prepared, surest
 from holonom.mobile.calibration.residuals import Problem, path_lever, solve
 from holonom.mobile.calibration.runs import PathErrors, Run, dead_reckoning, need_truth, path_errors
@@ -162,9 +163,12 @@ def _relative(problem: Problem, x: Array, covariance: Array) -> Array:
 
 
 def _solved(problem: Problem) -> Array:
-    zero = np.zeros(len(problem.drive.names))
-    check_excitation(problem.residuals(zero)[1], problem.drive)
-    return solve(problem, zero)
+    """Solution from the nominal numbers, and the truth's frame turned as the directions of motion are."""
+    drive = problem.drive
+    check_excitation(problem.residuals(np.zeros(len(drive.names)))[1], drive)
+    matrix = drive.matrix(drive.nominal)
+    turns = np.array([truth_frame(run, matrix)[2] for run in problem.runs])
+    return solve(problem, turned_frame(drive, float(np.angle(np.exp(1j * turns).sum()))))
 
 
 def _limited(
@@ -251,7 +255,8 @@ def _weight(final_weight: float) -> float:
 
 def _check_reach(x: Array, parameters: DriveParameters) -> None:
     """A parameter that moved by as much as it is: the motion did not hold it, or the log is not of this robot."""
-    far = np.abs(x) > 0.9
+    free = [name.startswith(("frame_", "direction")) for name in parameters.names]  # a marker may be anywhere
+    far = (np.abs(x) > 0.9) & ~np.array(free)
     if far.any():
         named = ", ".join(name for name, away in zip(parameters.names, far, strict=True) if away)
         raise CalibrationError(
