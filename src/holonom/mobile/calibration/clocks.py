@@ -18,9 +18,9 @@ SPAN = 0.2  # s of the motions that are compared
 MOST = 2.0  # s of an offset that is looked for
 FASTEST = 0.03  # of a rate that is looked for
 LEAST = 8  # spans that a run must have
-SURE = 9.0  # by how many variances of what is left a clock must be better, to be told from noise
-BETTER = 0.5  # part of the disagreement that a clock must leave at most, to be clear
+BETTER = 0.5  # part of the disagreement that a clock must leave at most, to be told from noise
 ALIKE = 0.05  # part of the motion, squared, that it may leave: what disagrees more has other faults
+ROUNDING = 1e-6  # part of the motion, squared, that interpolation may make
 AGREED = 1e-3  # part of the motion, squared, up to which both agree as they are
 LARGE = 1e6  # m, of a place that no base has
 WORTH = 0.5  # periods of the samples: a smaller offset is none
@@ -48,7 +48,7 @@ def clock_of(run: Run, matrix: Array) -> Clock:
 
 
 def clear_clock(run: Run, matrix: Array) -> Clock:
-    """The same where it is clear: it leaves half of the disagreement at most, and is worth half a sample or more."""
+    """The same where it is clear: it is worth half a sample or more, and more than what never quite agrees."""
     return _Compared.search(run, matrix, clear=True)
 
 
@@ -123,12 +123,9 @@ class _Compared:
         clock = Clock(*(float(v) for v in start + found.x * scale))
         as_is, left = self.miss(Clock()), self.miss(clock)
         moved = float((self.seen(clock) ** 2).sum())
+        good = left < min(BETTER * as_is, ALIKE * moved) and as_is > (AGREED if clear else ROUNDING) * moved
         if clear:
-            worth = max(abs(clock.late), 0.5 * length * abs(clock.rate)) > WORTH * period
-            good = left < min(BETTER * as_is, ALIKE * moved) and as_is > AGREED * moved and worth
-        else:
-            spans = len(self.time) * period / SPAN
-            good = (as_is - left) * spans > SURE * left and left < ALIKE * moved
+            good = good and max(abs(clock.late), 0.5 * length * abs(clock.rate)) > WORTH * period
         return clock if good else Clock()
 
     def seen(self, clock: Clock) -> Array:

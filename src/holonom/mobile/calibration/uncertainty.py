@@ -127,7 +127,7 @@ def sureness(parts: Sequence[RunPart], periods: Sequence[float]) -> Array:
     """Weights (runs, 4) of the squares of each run's start (x, y, heading) and clock (s).
 
     The truth's first sample knows the start to its own noise, all samples along the way much better; a clock is trusted
-    to a period of the samples (`clock_offset` finds larger offsets beforehand). Beside that stands what the base's walk
+    to a period of the samples (`clock_of` finds larger offsets beforehand). Beside that stands what the base's walk
     makes of the errors: with hardly any noise the start is as good as known, without any walk it is free.
 
     Parameters

@@ -50,7 +50,7 @@ def _first_limit(job: BaseJob, floor: Floor, lost: int, since: float) -> str:
     live = np.array([not (lost >> k) & 1 for k in range(coupling.wheels)])
     if not live.any():
         return "no motor is left"
-    mass, R = base.mass, coupling.radius
+    mass, R = base.mass or 1.0, coupling.radius
     C = coupling.force[:, live] / mass
     weight = np.array([FIRST, FIRST, 1.0]) if job.settings.keep == "path" else np.array([1.0, 1.0, FIRST])
     share = np.linalg.pinv(weight[:, None] * C, rcond=1e-9 / FIRST) * weight
