@@ -182,16 +182,17 @@ def test_a_clock_that_runs_fast_is_found_and_put_right(late: float, rate: float)
 def test_slip_that_adds_up_leaves_the_wheels_as_they_are() -> None:
     """Two runs on a slippery floor, eight times: pieces tell the wheels to 2 %, and honestly."""
     truth = np.array([0.42, 0.0667, 0.0669, 0.0664, 0.0665])
-    rng, z = np.random.default_rng(2), []
+    rng, z, deviations = np.random.default_rng(2), [], []
     for k in range(8):
         runs = []
         for j in range(2):
             run = wandering("mecanum", truth, "physical", seed=50 * k + j, way=0.5, noise=0.003)
             runs.append(replace(run, truth=run.truth + rng.normal(size=run.truth.shape) * [5e-4, 5e-4, 1e-3]))
         found = calibrate(runs, "mecanum", NOMINAL["mecanum"])
-        assert np.all(found.deviations < 0.025 * truth)
+        deviations.append(found.deviations / truth)
         z.append((found.values - truth) / found.deviations)
     assert 0.6 < np.sqrt(np.mean(np.square(z))) < 1.4
+    assert np.mean(deviations) < 0.025  # whole paths: 0.045
 
 
 def test_wheels_of_a_published_mecanum_robot_are_alike(data_folder: Path) -> None:
@@ -390,3 +391,12 @@ def test_the_extended_set_is_no_overfit(data_folder: Path) -> None:
     before = calibrate(log.runs, log.drive, log.nominal).before
     assert wide.distance < plain.distance < before.distance
     assert max(wide.final_heading, plain.final_heading) < before.final_heading  # 9 numbers out of three runs
+
+
+@pytest.mark.parametrize("yaw", [0.6, 1.3, -2.5, 3.1])
+def test_a_marker_may_be_turned_by_any_angle(yaw: float) -> None:
+    truth = np.array([*MARKER[:3], -0.12, 0.2, yaw])
+    run = wandering("differential", truth, "extended", seed=4, way=0.5)
+    found = calibrate([run], "differential", NOMINAL["differential"], set_name="extended")
+    np.testing.assert_allclose(found.values[:5], truth[:5], rtol=1e-5)
+    assert np.exp(1j * found.values[5]) == pytest.approx(np.exp(1j * yaw), abs=1e-5)
