@@ -8,13 +8,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cell_files import built
 
 from holonom.app.cell.check import check_cell
 from holonom.app.recording import read_recording
 from holonom.app.report.findings.headline import badge_of
 from holonom.app.report.source import source_of
+from holonom.app.rig.base import make_base
+from holonom.app.rig.path_judge import PathJudge
 from holonom.app.run import run_cell
 from holonom.errors import CellError, DriveFault
+from holonom.sim import Floor
 
 CELL = """
 [cell]
@@ -174,3 +178,73 @@ def test_velocities_that_wheels_cannot_follow_are_named(tmp_path: Path) -> None:
     )
     warnings = check_cell(path).data["warnings"]
     assert warnings == ["velocity at 0 s: its wheels cannot follow (0.5, 0.3, 0); the nearest is (0.5, 0, 0)"]
+
+
+def driven(folder: Path, task: str, **changes: object) -> Path:
+    """The cell with another task instead of its path."""
+    path = cell(folder, **changes)
+    head, _, rest = path.read_text(encoding="utf-8").partition("[path]")
+    tail = rest.partition("[[faults]]")[1:]
+    text = head.replace("[floor]", f"{task}\n[floor]") + "".join(tail)
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+ARC = 'velocity = [{ at = "0s", vx = "1m/s", w = "1rad/s" }, { at = "3s" }]'
+
+
+def test_velocities_are_judged_by_the_motion_that_was_commanded(tmp_path: Path) -> None:
+    """The arc by the true pose: on a floor that grips it comes out, on ice it does not."""
+    task = ARC
+    assert run_cell(driven(tmp_path, task), tmp_path / "a").data["outcome"] == "done"
+    true = read_recording(tmp_path / "a" / "recording.mcap").true_base
+    turn = float(true.pose[-1, 2])
+    assert turn == pytest.approx(3.0, abs=np.radians(10.0))  # rad, 1 rad/s for 3 s
+    assert np.hypot(*true.pose[-1, :2]) == pytest.approx(2.0 * np.sin(1.5), abs=0.1)  # its chord, by hand
+    with pytest.raises(DriveFault, match=r"the velocities were not driven: .* m off at .*, 0.099\d* m are allowed"):
+        run_cell(driven(tmp_path, task, friction=0.01, sliding=0.005), tmp_path / "b")
+    assert json.loads((tmp_path / "b" / "summary.json").read_text())["outcome"] == "failed"
+
+
+def test_a_base_that_holds_stays_where_it_was(tmp_path: Path) -> None:
+    assert run_cell(driven(tmp_path, 'hold = "1s"'), tmp_path / "a").data["outcome"] == "done"
+
+
+def test_a_base_that_is_displaced_while_it_holds_has_failed(tmp_path: Path) -> None:
+    """The judge itself: true poses that walk away from where it stood."""
+    job = built(driven(tmp_path, 'hold = "1s"')).bases[0]
+    judge, log = PathJudge(job), make_base(job, Floor(), np.random.default_rng(0)).buffer(500)
+    log.body["x"] = np.linspace(0.0, 0.05, 500)
+    judge.see(0, log)
+    assert judge.verdict() == "its place was not kept: 0.05 m off at 0.50 s, 0.01 m are allowed"
+
+
+def test_small_paths_may_be_missed_by_a_centimetre(tmp_path: Path) -> None:
+    small = cell(tmp_path, speed=0.1)
+    small.write_text(small.read_text().replace('size = "1m"', 'size = "20mm"'), encoding="utf-8")
+    assert built(small).bases[0].task.tolerance.position == 0.01
+
+
+def test_what_was_given_up_is_not_driven(tmp_path: Path) -> None:
+    """With the heading kept and the path let go, `path_driven` is the part on which both were within."""
+    chosen = cell(tmp_path, wheels=THREE, faults=DEAD, speed=0.4, path='keep = "heading"')
+    answer = run_cell(chosen, tmp_path / "out")
+    recording = read_recording(tmp_path / "out" / "recording.mcap")
+    true, wanted = recording.true_base.pose, recording.base_reference.pose
+    n = min(len(true), len(wanted))
+    far = np.hypot(*(true[:n, :2] - wanted[:n, :2]).T)
+    turn = np.abs(true[:n, 2] - wanted[:n, 2])
+    steps = np.hypot(*np.diff(wanted[:n, :2], axis=0).T)
+    within = ((far <= 0.05) & (turn <= np.radians(10.0)))[1:]
+    assert answer.data["path_driven"] == pytest.approx(steps[within].sum() / steps.sum(), abs=0.05)
+    assert answer.data["path_driven"] < 0.9
+
+
+def test_check_says_when_the_motors_left_cannot_hold_the_choice(tmp_path: Path) -> None:
+    """Two wheels of three at 2 m/s round a circle of 0.5 m: 8 m/s2 are more than the floor gives them."""
+    fast = cell(tmp_path, wheels=THREE, faults=DEAD, speed=2.0, path='keep = "path"')
+    fast.write_text(fast.read_text().replace('acceleration = "1.2m/s2"', 'acceleration = "8m/s2"'), encoding="utf-8")
+    warnings = check_cell(fast).data["warnings"]
+    assert any("without the motor of b, from 1 s on, the others cannot hold the path as fast" in w for w in warnings)
+    slow = cell(tmp_path, wheels=THREE, faults=DEAD, speed=0.4, path='keep = "path"')
+    assert not [w for w in check_cell(slow).data["warnings"] if "cannot hold" in w]

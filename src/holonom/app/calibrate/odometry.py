@@ -195,7 +195,8 @@ def _least_squares(
     log: OdometryLog, parameters: str | None, rule: str, limits: Sequence[float] | Literal["classical"] | None
 ) -> _Found:
     plain, refused = _attempt(log, "physical", rule)
-    if parameters != "extended" and plain is None:
+    told = refused
+    if parameters == "physical" and plain is None:
         raise CalibrationError(refused)
     chosen = plain
     wanted: Sequence[float] | Literal["classical"] | None = None
@@ -206,8 +207,8 @@ def _least_squares(
     notes: tuple[str, ...] = ()
     if parameters != "physical":
         chosen, refused = _attempt(log, "extended", rule, wanted)
-        if chosen is None and parameters == "extended":
-            raise CalibrationError(refused)
+        if chosen is None and (parameters == "extended" or plain is None):
+            raise CalibrationError(refused if parameters == "extended" else told)
         if chosen is None:
             chosen, notes = plain, (f"physical parameters only; of the extended set {refused}",)
     if chosen is plain and wanted is not None:

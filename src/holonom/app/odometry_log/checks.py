@@ -11,7 +11,7 @@ from holonom.app.odometry_log.spells import note_spells
 from holonom.app.odometry_log.story import check_columns, judge_miss
 from holonom.app.odometry_log.table import Table
 from holonom.errors import LogError
-from holonom.mobile.calibration import DriveParameters, Run, clock_offset, on_the_clock_of_the_wheels
+from holonom.mobile.calibration import Clock, DriveParameters, Run, clear_clock, on_the_clock_of_the_wheels, seen_from
 from holonom.mobile.odometry import find_gaps
 
 __all__ = ["check_motion", "check_time", "in_one_clock", "part_names"]
@@ -98,15 +98,23 @@ def check_motion(table: Table, run: Run, parameters: DriveParameters, wheels: Se
     _check_clock(table, run, 0.5 * max(diameters))
     if not len(run.truth):
         return ()
-    miss = check_columns(table, run, M, wheels)
+    miss, frame = check_columns(table, run, M, wheels)
     _check_truth(table, run)
-    return (*judge_miss(table, miss), *note_spells(table, run, M, wheels))
+    notes = (*judge_miss(table, miss), *note_spells(table, run, M if frame is None else seen_from(M, frame), wheels))
+    if frame is None:
+        return notes
+    turned = f"{table.path}: the truth's frame is turned by {np.degrees(frame[2]):.1f} degrees against the base"
+    return (f"{turned}; the extended set finds it, the physical one takes it for geometry", *notes)
 
 
 def in_one_clock(
-    table: Table, run: Run, parameters: DriveParameters, wheels: Sequence[str]
+    table: Table, run: Run, parameters: DriveParameters, wheels: Sequence[str], *, as_published: bool = False
 ) -> tuple[Run, tuple[str, ...]]:  # fmt: skip
     """The run on the clock of its wheels, and notes: what `check_motion` says where the truth's clock is put right.
+
+    Parameters
+    ----------
+    as_published : a run that can be read as it stands keeps its clocks, so that its errors are those published.
 
     Raises
     ------
@@ -119,20 +127,35 @@ def in_one_clock(
         doubts = check_motion(table, run, parameters, wheels)
     except LogError as problem:
         fault = problem
-    late = clock_offset(run, parameters.matrix(parameters.nominal)) if len(run.truth) else 0.0
-    if late == 0.0:
+    clock = clear_clock(run, parameters.matrix(parameters.nominal)) if len(run.truth) else Clock()
+    if clock == Clock():
         if fault is not None:
             raise fault
         return run, doubts
-    moved = on_the_clock_of_the_wheels(run, late)
+    if as_published and fault is None:
+        told = f"the truth's clock {_said(clock, run)}; left as published, the calibration puts it right"
+        return run, (f"{table.path}: {told}", *doubts)
+    moved = on_the_clock_of_the_wheels(run, clock)
     first = int(np.searchsorted(run.time, moved.time[0]))
     part = table.cut([first, first + len(moved.time)])[1]
     try:
         doubts = check_motion(part, moved, parameters, wheels)
     except LogError:
-        raise (fault or LogError(f"{table.path}: wheels and truth disagree at any offset of their clocks")) from None
-    note = f"{table.path}: the truth's clock is {abs(late):.3g} s {'late' if late > 0.0 else 'early'}; put right"
-    return moved, (note, *doubts)
+        if fault is None:  # it reads as it stands: another clock explains a jump no better
+            return run, doubts
+        raise fault from None
+    return moved, (f"{table.path}: the truth's clock {_said(clock, run)}; put right", *doubts)
+
+
+def _said(clock: Clock, run: Run) -> str:
+    """What is wrong with the truth's clock: "is 0.3 s late", and by how much it loses."""
+    late, gone = clock.late, clock.rate * float(run.time[-1] - run.time[0])
+    step = float(np.median(np.diff(run.time)))
+    told = f"is {abs(late):.3g} s {'late' if late > 0.0 else 'early'}"
+    if abs(gone) < step:
+        return told
+    rate = f"{'loses' if clock.rate > 0.0 else 'gains'} {100.0 * abs(clock.rate):.2g} %"
+    return rate if abs(late) < 0.5 * step else f"{rate} and {told} half-way"
 
 
 def _check_clock(table: Table, run: Run, radius: float) -> None:

@@ -205,7 +205,7 @@ def _read_part(name: str, table: Table, facts: _Facts, *, first: bool) -> tuple[
     order = [1, 0] if kind.drive == "differential" else list(range(len(wheels)))
     run = Run(name, table.column("time"), np.ascontiguousarray(turns[:, order]), _truth(table), steering)
     parameters = drive_parameters(kind.drive, facts.nominal)
-    return in_one_clock(table, run, parameters, [wheels[k] for k in order])
+    return in_one_clock(table, run, parameters, [wheels[k] for k in order], as_published=True)
 
 
 def _truth(table: Table) -> Array:

@@ -19,7 +19,7 @@ from holonom.app.odometry_log.motion import lever_of, moved
 from holonom.app.odometry_log.table import Table
 from holonom.arrays import Array
 from holonom.errors import LogError
-from holonom.mobile.calibration import Run, dead_reckoning
+from holonom.mobile.calibration import Run, dead_reckoning, seen_from, truth_frame
 
 __all__ = ["check_columns", "judge_miss"]
 
@@ -70,7 +70,9 @@ class _Candidate:
     faults: tuple[str, ...]
 
 
-def check_columns(table: Table, run: Run, M: Array, wheels: Sequence[str]) -> float:
+def check_columns(
+    table: Table, run: Run, M: Array, wheels: Sequence[str]
+) -> tuple[float, tuple[float, float, float] | None]:
     """Refuse a log in which a wrong column, sign or unit keeps wheels and truth apart; name it.
 
     Parameters
@@ -82,7 +84,8 @@ def check_columns(table: Table, run: Run, M: Array, wheels: Sequence[str]) -> fl
 
     Returns
     -------
-    Share of the motion by which wheels and truth disagree, for no reason that is known.
+    Share of the motion by which wheels and truth disagree, for no reason that is known; where the truth's frame is
+    on the base, m and rad, if it is turned so much that this explains the most.
 
     Raises
     ------
@@ -91,17 +94,21 @@ def check_columns(table: Table, run: Run, M: Array, wheels: Sequence[str]) -> fl
     view = _View(run, M)
     plain = view.reading()
     if max(np.abs(plain.wheels).sum(), np.abs(plain.truth).sum()) < STILL:
-        return 0.0
+        return 0.0, None
     if plain.miss <= ASTRAY:
-        return plain.miss
+        return plain.miss, None
     candidates = [_candidate(reading) for reading in (plain, *_truths(view), *_wheels(view, wheels))]
     best = min(c.miss for c in candidates)
+    frame = truth_frame(run, M)
+    turned = _View(run, seen_from(M, frame)).reading().miss
+    if turned < min(CLEARER * plain.miss, ASTRAY) and ALIKE * turned + NEAR < best:
+        return turned, frame
     good = [c for c in candidates if c.miss <= ALIKE * best + NEAR]
     least = min(len(c.faults) for c in good)
     if least > 0 and best < CLEARER * plain.miss:
         named = [c for c in good if len(c.faults) == least]
         _refuse(table, plain.miss, sorted(named, key=lambda c: c.miss))
-    return plain.miss
+    return plain.miss, None
 
 
 def judge_miss(table: Table, miss: float) -> tuple[str, ...]:

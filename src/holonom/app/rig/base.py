@@ -87,7 +87,7 @@ class BaseRig:
         self._began: float | None = None
         self._ended, self._stopping = False, False
         self._part = DrivenPart(job.task.path) if job.task.path is not None else None
-        self._judge = PathJudge(job) if job.task.path is not None and job.task.tolerance is not None else None
+        self._judge = PathJudge(job) if job.task.tolerance is not None else None
 
     @property
     def done(self) -> bool:
@@ -135,7 +135,7 @@ class BaseRig:
     @property
     def kept(self) -> float | None:
         """Part of its path that it was truly on, 0 to 1, where that is judged; None without a path."""
-        return self.driven if self._judge is None else self._judge.kept
+        return self.driven if self._judge is None or self._part is None else self._judge.kept
 
     def where(self) -> str:
         """How far its task is, in words."""
@@ -156,7 +156,13 @@ class BaseRig:
         return found
 
     def think(self) -> None:
-        """Begin the task when it is time, go on with it, and end it."""
+        """Begin the task when it is time, go on with it, and end it.
+
+        Raises
+        ------
+        DriveFault
+            It did not do what it was to do.
+        """
         task, now = self.job.task, self.loop.time
         if self._began is None:
             waits = not self._signals.get(task.after) if task.after is not None else now < task.start
@@ -172,9 +178,9 @@ class BaseRig:
             if len(rows):
                 self.loop.controller.follow_velocity(rows[-1, 1:])
             if len(rows) == len(task.velocities) and not rows[-1, 1:].any() and self.standing:
-                self._end(self.outcome)
+                self._finish()
         elif task.path is None and not self._ended and since >= (task.hold or 0.0) - 1e-9:
-            self._end(self.outcome)
+            self._finish()
 
     def advance(self, ticks: int) -> None:
         """Advance by some ticks.
@@ -218,7 +224,7 @@ class BaseRig:
         """Records and events of the milliseconds that were driven."""
         log = self._log.part(0, done)
         self._records.put(first, log)
-        if self._judge is not None and self._running_path:
+        if self._judge is not None and self._began is not None and not self._ended:
             self._judge.see(first, log)
         slip = of_wheels(log.wheels, "slip", len(self.job.base.driven))
         for event in [
@@ -241,13 +247,17 @@ class BaseRig:
         stopped = self.loop.controller.ending == STOPPED
         self.loop.controller.hold()
         if not stopped:
-            verdict = "" if self._judge is None else self._judge.verdict()
-            self._ended = True
-            if verdict:
-                raise DriveFault(verdict)
-            self._end(self.outcome)
+            self._finish()
         elif not self._stopping:
             raise DriveFault(self._cut("stopped with a jammed wheel"))
+
+    def _finish(self) -> None:
+        """End the task by what it truly came to."""
+        verdict = "" if self._judge is None else self._judge.verdict()
+        self._ended = True
+        if verdict:
+            raise DriveFault(verdict)
+        self._end(self.outcome)
 
     def _tipped(self) -> str:
         """What tips it, in words."""

@@ -10,14 +10,24 @@
 `article`               a drive with its article, for messages
 `wheels_of`             wheels and steered wheels of a drive, in the order of the columns
 `dead_reckoning`        poses of a run by odometry
+`truth_frame`           where the truth's frame is, roughly; `seen_from` is what it sees
 `path_errors`           the four error measures, `PathErrors`
-`clock_offset`          by how much the truth's clock is late; `on_the_clock_of_the_wheels` puts that right
+`clock_of`              how late the truth's `Clock` is, and at which rate; `clear_clock` where that is clear;
+                        `on_the_clock_of_the_wheels` puts it right
 ======================  ====================================================================
 """
 
-from holonom.mobile.calibration.clocks import clock_offset, on_the_clock_of_the_wheels
+from holonom.mobile.calibration.clocks import Clock, clear_clock, clock_of, on_the_clock_of_the_wheels, truth_frame
 from holonom.mobile.calibration.least_squares import Calibration, calibrate, held_out_errors
-from holonom.mobile.calibration.parameters import DRIVES, SETS, DriveParameters, article, drive_parameters, wheels_of
+from holonom.mobile.calibration.parameters import (
+    DRIVES,
+    SETS,
+    DriveParameters,
+    article,
+    drive_parameters,
+    seen_from,
+    wheels_of,
+)
 from holonom.mobile.calibration.runs import PathErrors, Run, dead_reckoning, path_errors
 from holonom.mobile.calibration.umbmark import UMBmark, umbmark
 
@@ -25,18 +35,22 @@ __all__ = [
     "DRIVES",
     "SETS",
     "Calibration",
+    "Clock",
     "DriveParameters",
     "PathErrors",
     "Run",
     "UMBmark",
     "article",
     "calibrate",
-    "clock_offset",
+    "clear_clock",
+    "clock_of",
     "dead_reckoning",
     "drive_parameters",
     "held_out_errors",
     "on_the_clock_of_the_wheels",
     "path_errors",
+    "seen_from",
+    "truth_frame",
     "umbmark",
     "wheels_of",
 ]

@@ -1,71 +1,160 @@
-"""By how much the truth's clock is late, before anything is calibrated: when both tell of the same motion."""
+"""When the truth's clock says what the wheels' clock says: offset and rate, before anything is calibrated."""
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.interpolate import CubicSpline
-from scipy.optimize import minimize_scalar
+from scipy.optimize import minimize
 
 from holonom.arrays import Array
 from holonom.mobile.calibration.runs import Run, dead_reckoning
 
-__all__ = ["clock_offset", "on_the_clock_of_the_wheels"]
+__all__ = ["Clock", "clear_clock", "clock_of", "on_the_clock_of_the_wheels", "truth_frame"]
+
 
 SPAN = 0.2  # s of the motions that are compared
 MOST = 2.0  # s of an offset that is looked for
+FASTEST = 0.03  # of a rate that is looked for
 LEAST = 8  # spans that a run must have
-BETTER = 0.5  # part of the disagreement that an offset must leave at most, to count
+BETTER = 0.5  # part of the disagreement that a clock must leave at most, to be told from noise
 ALIKE = 0.05  # part of the motion, squared, that it may leave: what disagrees more has other faults
+ROUNDING = 1e-6  # part of the motion, squared, that interpolation may make
 AGREED = 1e-3  # part of the motion, squared, up to which both agree as they are
 LARGE = 1e6  # m, of a place that no base has
 WORTH = 0.5  # periods of the samples: a smaller offset is none
 
 
-def clock_offset(run: Run, matrix: Array) -> float:
-    """By how much the truth's clock is behind that of the wheels, s; 0 where no offset explains clearly more.
+class Clock(NamedTuple):
+    """What the truth's clock is behind that of the wheels: s in the middle of the run, s/s that this grows by."""
+
+    late: float = 0.0
+    rate: float = 0.0
+
+
+def clock_of(run: Run, matrix: Array) -> Clock:
+    """The truth's clock by the motions over short spans; zeros where noise would look the same.
 
     The motions over short spans, forwards, sideways and turning, by the wheels and by the truth, are compared at every
-    offset: what no linear map of the one leaves of the other, so that neither geometry nor a marker's place matters.
-    A motion that never changes tells nothing of it.
+    offset and rate: what no linear map of the one leaves of the other, so that neither geometry, a marker's place nor
+    slip that adds up matters. A motion that never changes tells nothing of it.
+
+    Parameters
+    ----------
+    matrix : (3, f) motion matrix of the nominal geometry.
+    """
+    return _Compared.search(run, matrix, clear=False)
+
+
+def clear_clock(run: Run, matrix: Array) -> Clock:
+    """The same where it is clear: it is worth half a sample or more, and more than what never quite agrees."""
+    return _Compared.search(run, matrix, clear=True)
+
+
+def truth_frame(run: Run, matrix: Array) -> tuple[float, float, float]:
+    """Where the truth's frame is on the base, roughly: ahead and to the left, m, and its turn, rad.
+
+    By linear least squares of motions over short spans, those of the truth by `exp(-i yaw) (v + i w p)`.
 
     Parameters
     ----------
     matrix : (3, f) motion matrix of the nominal geometry.
     """
     period = float(np.median(np.diff(run.time)))
-    half, most = max(1, round(0.5 * SPAN / period)), min(MOST, 0.25 * float(run.time[-1] - run.time[0]))
-    short = len(run.truth) < 2 * half * LEAST or most < period
-    if short or max(np.abs(run.truth).max(initial=0.0), np.abs(run.turns).max(initial=0.0)) > LARGE:
-        return 0.0
+    half = max(1, round(0.5 * SPAN / period)) * period
+    inner = run.time[(run.time >= run.time[0] + half) & (run.time <= run.time[-1] - half)]
+    if len(inner) < LEAST:
+        return 0.0, 0.0, 0.0
     truth = CubicSpline(run.time, np.column_stack([run.truth[:, :2], run.heading]))
-    wheels = CubicSpline(run.time, dead_reckoning(run, matrix))
-    inner = run.time[(run.time > run.time[0] + most + SPAN) & (run.time < run.time[-1] - most - SPAN)]
-    lever = float(np.abs(matrix[:2]).max() / max(np.abs(matrix[2]).max(), 1e-12))
-    ours = _motions(wheels, inner, half * period, lever)
-    U, s, _ = np.linalg.svd(ours, full_matrices=False)
-    basis = U[:, s > 1e-9 * max(s[0], 1e-300)]
-
-    def miss(late: float) -> float:
-        theirs = _motions(truth, inner + late, half * period, lever)
-        left = theirs - basis @ (basis.T @ theirs)
-        return float((left**2).sum())
-
-    at = np.arange(-most, most + 0.5 * period, period)
-    coarse = float(at[int(np.argmin([miss(late) for late in at]))])
-    found = minimize_scalar(miss, bounds=(coarse - period, coarse + period), method="bounded").x
-    moved = float((_motions(truth, inner + found, half * period, lever) ** 2).sum())
-    clear = miss(found) < min(BETTER * miss(0.0), ALIKE * moved) and miss(0.0) > AGREED * moved
-    return float(found) if clear and abs(found) > WORTH * period else 0.0
+    ours = _motions(CubicSpline(run.time, dead_reckoning(run, matrix)), inner, half, 1.0)
+    theirs = _motions(truth, inner, half, 1.0)[:, :2] @ np.array([1.0, 1.0j])
+    effects = np.stack([ours[:, :2] @ np.array([1.0, 1.0j]), 1j * ours[:, 2]], axis=1)
+    turned, moved = np.linalg.lstsq(effects, theirs, rcond=1e-6)[0]
+    if turned == 0.0:
+        return 0.0, 0.0, 0.0
+    place = moved / turned
+    return float(place.real), float(place.imag), -float(np.angle(turned))
 
 
-def on_the_clock_of_the_wheels(run: Run, late: float) -> Run:
-    """The same run with its truth that much earlier, s, by interpolation; samples without a truth are cut off."""
+def on_the_clock_of_the_wheels(run: Run, clock: Clock) -> Run:
+    """The same run with its truth put right, by interpolation; samples without a truth are cut off."""
     truth = np.column_stack([run.truth[:, :2], run.heading])
-    moved = CubicSpline(run.time, truth)(run.time + late)
-    kept = (run.time + late >= run.time[0]) & (run.time + late <= run.time[-1])
+    at = run.time + clock.late + clock.rate * (run.time - _middle(run))
+    kept = (at >= run.time[0]) & (at <= run.time[-1])
     turns = run.turns[kept].copy()
     turns[0] = 0.0  # what came before the first sample is none of its own
-    return Run(run.name, run.time[kept], turns, moved[kept], run.steering[kept])
+    return Run(run.name, run.time[kept], turns, CubicSpline(run.time, truth)(at)[kept], run.steering[kept])
+
+
+def _middle(run: Run) -> float:
+    return float(0.5 * (run.time[0] + run.time[-1]))
+
+
+class _Compared:
+    """Motions of one run by its wheels beside those by its truth at any clock."""
+
+    def __init__(self, run: Run, matrix: Array, period: float, most: float) -> None:
+        self.half = max(1, round(0.5 * SPAN / period)) * period
+        self.truth = CubicSpline(run.time, np.column_stack([run.truth[:, :2], run.heading]))
+        self.lever = float(np.abs(matrix[:2]).max() / max(np.abs(matrix[2]).max(), 1e-12))
+        inner = run.time[(run.time > run.time[0] + most + SPAN) & (run.time < run.time[-1] - most - SPAN)]
+        self.time, self.since = inner, inner - _middle(run)
+        ours = _motions(CubicSpline(run.time, dead_reckoning(run, matrix)), inner, self.half, self.lever)
+        U, s, _ = np.linalg.svd(ours, full_matrices=False)
+        self.basis = U[:, s > 1e-9 * max(s[0], 1e-300)]
+
+    @classmethod
+    def search(cls, run: Run, matrix: Array, *, clear: bool) -> Clock:
+        period, length = float(np.median(np.diff(run.time))), float(run.time[-1] - run.time[0])
+        most = min(MOST, 0.25 * length)
+        short = len(run.truth) * period < 2.0 * SPAN * LEAST or most < period
+        if short or max(np.abs(run.truth).max(initial=0.0), np.abs(run.turns).max(initial=0.0)) > LARGE:
+            return Clock()
+        return cls(run, matrix, period, most).best(period, most, length, clear=clear)
+
+    def best(self, period: float, most: float, length: float, *, clear: bool) -> Clock:
+        start = self._coarse(period, most)
+        scale = np.array([period, 2.0 * period / length])
+        found = minimize(
+            lambda x: self.miss(Clock(*(start + x * scale))), np.zeros(2), method="Nelder-Mead",
+            options={"xatol": 1e-3, "fatol": 1e-12, "initial_simplex": [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]},
+        )  # fmt: skip
+        clock = Clock(*(float(v) for v in start + found.x * scale))
+        as_is, left = self.miss(Clock()), self.miss(clock)
+        moved = float((self.seen(clock) ** 2).sum())
+        good = left < min(BETTER * as_is, ALIKE * moved) and as_is > (AGREED if clear else ROUNDING) * moved
+        if clear:
+            good = good and max(abs(clock.late), 0.5 * length * abs(clock.rate)) > WORTH * period
+        return clock if good else Clock()
+
+    def seen(self, clock: Clock) -> Array:
+        """Motions (N, 3) of the truth."""
+        return _motions(self.truth, self.time + clock.late + clock.rate * self.since, self.half, self.lever)
+
+    def miss(self, clock: Clock) -> float:
+        """Square sum of what no linear map of the wheels' motions explains."""
+        return self._left(self.seen(clock))
+
+    def _left(self, theirs: Array) -> float:
+        return float((theirs**2).sum() - ((self.basis.T @ theirs) ** 2).sum())
+
+    def _coarse(self, period: float, most: float) -> Array:
+        """Best clock (2,) of a grid: offsets by a sample, rates by two samples over the run."""
+        at = period * np.arange(-int(most / period), int(most / period) + 1)
+        table = np.stack([self.seen(Clock(late)) for late in at])
+        span = float(self.since[-1] - self.since[0]) if len(self.since) > 1 else 1.0
+        count = int(min(FASTEST * 0.5 * span, most) / (2.0 * period))
+        best, found = np.inf, np.zeros(2)
+        rows = np.arange(len(self.since))
+        for rate in (4.0 * period / span) * np.arange(-count, count + 1):
+            shift = np.round(rate * self.since / period).astype(int)
+            for k in range(0, len(at), 2 if count else 1):
+                picked = table[np.clip(k + shift, 0, len(at) - 1), rows]
+                left = self._left(picked)
+                if left < best:
+                    best, found = left, np.array([at[k], rate])
+        return found
 
 
 def _motions(poses: CubicSpline, time: Array, half: float, lever: float) -> Array:

@@ -10,11 +10,13 @@ import numpy as np
 
 from holonom.arrays import Array
 from holonom.errors import CalibrationError, OutOfLimits
+from holonom.mobile.calibration.clocks import truth_frame
 from holonom.mobile.calibration.limits import attainable, classical, largest_errors, within
-from holonom.mobile.calibration.parameters import DriveParameters, article, drive_parameters, wheels_of
+from holonom.mobile.calibration.parameters import DriveParameters, article, drive_parameters, turned_frame, wheels_of
+from holonom.mobile.calibration.pieces import prepared, surest
 from holonom.mobile.calibration.residuals import Problem, path_lever, solve
 from holonom.mobile.calibration.runs import PathErrors, Run, dead_reckoning, need_truth, path_errors
-from holonom.mobile.calibration.uncertainty import check_excitation, noise_covariance, sureness
+from holonom.mobile.calibration.uncertainty import check_excitation, noise_covariance
 
 __all__ = ["Calibration", "calibrate", "held_out_errors"]
 
@@ -80,10 +82,11 @@ def calibrate(
 ) -> Calibration:
     """Calibrate a drive so that its odometry follows the truth.
 
-    Minimises, over all runs, the mean square error of the pose along the run plus `final_weight` squared times the
-    square error at its end; headings count by `lever`. The derivatives go through the integration. Where each run
-    starts, and by how much the truth's clock is late, is found with it. Where that breaks `limits` of the largest
-    errors, if any are given, the smallest such sum that keeps them: no better estimate, but one within limits.
+    Minimises, over pieces of all runs, the mean square error of the pose along the piece plus `final_weight` squared
+    times the square error at its end; headings count by `lever`. The derivatives go through the integration. Where each
+    piece starts, and by how much the truth's clock is late there, is found with it; how long pieces are follows from
+    how the base slips and how noisy the truth is. With `limits` of the largest errors, the pieces are whole runs, and
+    where that breaks them, the smallest such sum that keeps them: no better estimate, but one within limits.
 
     Parameters
     ----------
@@ -92,8 +95,8 @@ def calibrate(
     nominal : its physical parameters to start from, m and rad.
     set_name : "physical", what a data sheet states, or "extended", every wheel's own direction and lever.
     rule : of integration.
-    lever : m/rad; how far the truth goes from the start of a run unless given.
-    final_weight : of the end of a run beside the way.
+    lever : m/rad; how far the truth goes from the start of a piece unless given.
+    final_weight : of the end of a piece beside the way.
     limits : (4,) largest distance and heading on the way, and at the end, m and rad; "classical": for the extended set
         those of a classical calibration, physical parameters from the ends of the runs. None unless given. Below a
         millionth of the lever, and of a radian, they count as that.
@@ -111,11 +114,10 @@ def calibrate(
     parameters = drive_parameters(drive, nominal, set_name)
     problem = Problem(_checked(runs, drive), parameters, rule, _lever(runs, lever), _weight(final_weight))
     x = _solved(problem)
-    periods = [float(np.median(np.diff(run.time))) for run in problem.runs]
-    problem = replace(problem, sureness=sureness(problem.parts(x), periods))
+    whole = problem
+    problem = prepared(problem, x) if limits is not None else surest(problem, x, lever=lever)
     x = solve(problem, x)
-    parts = problem.parts(x)
-    covariance = noise_covariance(parts)
+    covariance = noise_covariance(problem.parts(x))
     values = check_excitation(problem.residuals(x)[1], parameters, _relative(problem, x, covariance))
     _check_reach(x, parameters)
     x, bounds, growth = _limited(problem, x, nominal, limits)
@@ -125,7 +127,7 @@ def calibrate(
         drive, set_name, parameters.names, parameters.nominal, problem.values(x),
         scale * np.sqrt(np.diagonal(covariance)), covariance * np.outer(scale, scale), values, M, problem.lever,
         _errors(runs, parameters.matrix(parameters.nominal), rule), _errors(runs, M, rule),
-        np.array([part.clock for part in parts]), bounds, growth,
+        np.array([part.clock for part in whole.parts(x)]), bounds, growth,
     )  # fmt: skip
 
 
@@ -161,9 +163,12 @@ def _relative(problem: Problem, x: Array, covariance: Array) -> Array:
 
 
 def _solved(problem: Problem) -> Array:
-    zero = np.zeros(len(problem.drive.names))
-    check_excitation(problem.residuals(zero)[1], problem.drive)
-    return solve(problem, zero)
+    """Solution from the nominal numbers, and the truth's frame turned as the directions of motion are."""
+    drive = problem.drive
+    check_excitation(problem.residuals(np.zeros(len(drive.names)))[1], drive)
+    matrix = drive.matrix(drive.nominal)
+    turns = np.array([truth_frame(run, matrix)[2] for run in problem.runs])
+    return solve(problem, turned_frame(drive, float(np.angle(np.exp(1j * turns).sum()))))
 
 
 def _limited(
@@ -250,7 +255,8 @@ def _weight(final_weight: float) -> float:
 
 def _check_reach(x: Array, parameters: DriveParameters) -> None:
     """A parameter that moved by as much as it is: the motion did not hold it, or the log is not of this robot."""
-    far = np.abs(x) > 0.9
+    free = [name.startswith(("frame_", "direction")) for name in parameters.names]  # a marker may be anywhere
+    far = (np.abs(x) > 0.9) & ~np.array(free)
     if far.any():
         named = ", ".join(name for name, away in zip(parameters.names, far, strict=True) if away)
         raise CalibrationError(

@@ -16,7 +16,7 @@ import numpy as np
 from holonom.arrays import Array
 from holonom.errors import CalibrationError, OutOfLimits, UnknownName
 
-__all__ = ["DRIVES", "SETS", "DriveParameters", "article", "drive_parameters", "wheels_of"]
+__all__ = ["DRIVES", "SETS", "DriveParameters", "article", "drive_parameters", "seen_from", "turned_frame", "wheels_of"]
 
 
 SETS = ("physical", "extended")
@@ -249,6 +249,18 @@ def _framed(plain: DriveParameters) -> DriveParameters:
         plain.drive, "extended", (*plain.names, *_FRAME), np.concatenate([plain.nominal, np.zeros(3)]),
         np.concatenate([plain.scale, [L, L, 1.0]]), matrix, slopes,
     )  # fmt: skip
+
+
+def turned_frame(drive: DriveParameters, yaw: float) -> Array:
+    """Unknown (p,), in scales, of nominal numbers with the truth's frame turned by yaw, rad."""
+    sign = [1.0 if name == "frame_yaw" else -1.0 if name.startswith("direction") else 0.0 for name in drive.names]
+    return yaw * np.array(sign) / drive.scale
+
+
+def seen_from(M: Array, frame: tuple[float, float, float]) -> Array:
+    """The same motion (3, f) as a frame sees it that is ahead and to the left, m, and turned, rad."""
+    ahead, left, yaw = frame
+    return np.vstack([_yaw(yaw) @ (M[:2] + np.outer([-left, ahead], M[2])), M[2:]])
 
 
 def _yaw(angle: float) -> Array:

@@ -54,12 +54,16 @@ class _Scores:
     turn: Array
 
 
-def noise_covariance(parts: Sequence[RunPart]) -> Array:
-    """Covariance (p, p) of the scaled parameters at the least squares solution.
+def noise_covariance(parts: Sequence[RunPart], noise: Noise | None = None) -> Array:
+    """Covariance (p, p) of the scaled parameters at the least squares solution, by the noise that the parts show.
+
+    Parameters
+    ----------
+    noise : that of the base and the truth, where it is known from elsewhere.
 
     Source: the usual sandwich `H^-1 S H^-1` (White 1980), with S of the noise above.
     """
-    q = noise_of(parts)
+    q = noise_of(parts) if noise is None else noise
     p = parts[0].slope.shape[2]
     H, S = np.zeros((p, p)), np.zeros((p, p))
     for part in parts:
@@ -123,7 +127,7 @@ def sureness(parts: Sequence[RunPart], periods: Sequence[float]) -> Array:
     """Weights (runs, 4) of the squares of each run's start (x, y, heading) and clock (s).
 
     The truth's first sample knows the start to its own noise, all samples along the way much better; a clock is trusted
-    to a period of the samples (`clock_offset` finds larger offsets beforehand). Beside that stands what the base's walk
+    to a period of the samples (`clock_of` finds larger offsets beforehand). Beside that stands what the base's walk
     makes of the errors: with hardly any noise the start is as good as known, without any walk it is free.
 
     Parameters

@@ -22,6 +22,7 @@ from holonom.errors import CellError, InputError, ModelError
 from holonom.machine import PATHS, BaseSettings, PathLimits, ReferencePath, plan_path
 from holonom.mobile import BaseDrive, BaseSensors, WheelBase
 from holonom.mobile.drive.sized import sized_base_drive
+from holonom.mobile.odometry import integrate
 from holonom.sim import BaseFault
 from holonom.sim.base.plant import driven_wheels
 from holonom.spatial import pose
@@ -30,6 +31,9 @@ __all__ = ["build_base_job", "deck_height", "refuse_unsimulated", "unsimulated"]
 
 DECK = 2.6
 """Height of a drawn deck over the radius of the largest wheel."""
+LEAST = 0.01  # m that it may be off in any case
+AROUND = np.radians(10.0)  # that the heading may be off where the cell says nothing
+CORNER = 0.2  # rad, of arcs that the box of commanded velocities is measured by
 BESIDE = 0.05  # of the larger side of a path's box, that a base may be off it where the cell says nothing
 AWAY = 1e-3  # m and rad that the start of a path may lie beside the pose that a cell states
 
@@ -166,17 +170,23 @@ def _task(robot: Robot) -> Task:
     found = Task(start=start.time, after=start.signal, done=robot.done)
     if robot.path is not None:
         path = _path(robot.path)
-        return dataclasses.replace(found, path=path, tolerance=_tolerance(robot.path, path))
+        table = robot.path
+        tolerance = PathTolerance(table.position_tolerance or beside(path.pose), table.heading_tolerance)
+        return dataclasses.replace(found, path=path, tolerance=tolerance)
     if robot.velocity is not None:
         rows = np.array([[step.at, step.vx, step.vy, step.w] for step in robot.velocity])
-        return dataclasses.replace(found, velocities=rows)
-    return dataclasses.replace(found, hold=robot.hold if robot.hold is not None else 0.0)
+        lasting = np.diff(rows[:, 0], append=rows[-1, 0])
+        turns = np.ceil(np.abs(lasting * rows[:, 3]) / CORNER).astype(int) + 1
+        steps = np.repeat(lasting[:, None] * rows[:, 1:] / turns[:, None], turns, axis=0)
+        way = integrate(np.vstack([np.zeros(3), steps]))
+        return dataclasses.replace(found, velocities=rows, tolerance=PathTolerance(beside(way), AROUND))
+    hold = robot.hold if robot.hold is not None else 0.0
+    return dataclasses.replace(found, hold=hold, tolerance=PathTolerance(LEAST, AROUND))
 
 
-def _tolerance(table: PathTable, path: ReferencePath) -> PathTolerance:
-    """What the cell allows, else a part of the larger side of the path's box."""
-    box = float(np.ptp(path.pose[:, :2], axis=0).max())
-    return PathTolerance(table.position_tolerance or BESIDE * box, table.heading_tolerance)
+def beside(poses: Array) -> float:
+    """How far beside a way (N, 3) a base may be, m, where the cell does not say: a part of its box, and no less."""
+    return max(BESIDE * float(np.ptp(poses[:, :2], axis=0).max()), LEAST)
 
 
 def _path(path: PathTable) -> ReferencePath:

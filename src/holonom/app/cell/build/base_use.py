@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from holonom.app.cell.build.lame import lame_warnings
 from holonom.app.job import BaseJob
 from holonom.mobile import drive_limits, dynamic_margin, rim_speeds
 from holonom.mobile.base.wheel_base import DRAG
-from holonom.mobile.drive.failed_motor import motors_hold_all
 from holonom.mobile.drive.sharing import shared_forces
 from holonom.sim import Floor
 from holonom.sim.base.kernels import FOOT
@@ -35,7 +35,7 @@ def path_warnings(job: BaseJob, floor: Floor) -> list[str]:
     """What the path asks of motors, floor and stance that they do not have; faults that come too late."""
     if job.task.path is None:
         return _undrivable(job)
-    return [*_asked(job, floor), *_lamed(job), *_too_late(job)]
+    return [*_asked(job, floor), *lame_warnings(job, floor), *_too_late(job)]
 
 
 def _asked(job: BaseJob, floor: Floor) -> list[str]:
@@ -82,22 +82,6 @@ def _undrivable(job: BaseJob) -> list[str]:
         if np.abs(near - asked).max() > DRAG:
             shown = [", ".join(f"{x:.3g}" for x in twist) for twist in (asked, near)]
             found.append(f"velocity at {at:g} s: its wheels cannot follow ({shown[0]}); the nearest is ({shown[1]})")
-    return found
-
-
-def _lamed(job: BaseJob) -> list[str]:
-    """Motors without which the others cannot hold path and heading at once, where the cell does not choose."""
-    base, lost, found = job.base, 0, []
-    if base.steered or job.settings.keep != "both":
-        return []
-    for fault in sorted(job.faults, key=lambda fault: fault.time):
-        wheel = base.driven.index(fault.wheel) if isinstance(fault.wheel, str) else fault.wheel
-        lost |= 1 << wheel
-        if fault.kind == "dead" and not motors_hold_all(base, lost):
-            found.append(
-                f"without the motor of {base.driven[wheel]}, from {fault.time:g} s on, the others cannot hold path and "
-                'heading at once; keep = "path" or "heading" in its path chooses, else both are asked'
-            )
     return found
 
 
