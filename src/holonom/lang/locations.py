@@ -22,7 +22,7 @@ from holonom.lang.words.functions import FUNCTIONS
 __all__ = ["read_locations", "split_name"]
 
 _NAME = re.compile(r"#?[A-Za-z_][\w.]*(\[\s*[0-9]{1,5}(\s*,\s*[0-9]{1,5})*\s*\])?")
-_NUMBER = re.compile(r"\s*[+-]?((\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|inf)\s*", re.ASCII)
+_NUMBER = re.compile(r"\s*[+-]?((\d++(?:\.\d*+)?|\.\d++)([eE][+-]?\d+)?|inf)\s*", re.ASCII)
 _FORM = "write name = x, y, z, o, a, t in mm and degrees, or #name = j1, j2, ... in degrees (mm where a joint slides)"
 
 

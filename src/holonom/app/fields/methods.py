@@ -25,7 +25,7 @@ from holonom.registry import Field, Method, Table, check_value
 
 __all__ = ["Chosen", "OneMethod", "params_schema", "read_params"]
 
-_TEXT = r"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*({units})\s*$"
+_TEXT = r"^\s*[+-]?(\d+(?:\.\d*)?|\.\d+)([eE][+-]?\d+)?\s*({units})\s*$"
 
 
 @dataclass(frozen=True, slots=True)

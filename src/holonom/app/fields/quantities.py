@@ -51,7 +51,7 @@ class Quantity:
         if self.dimension == "number":
             return {"type": "number", "minimum": self.low, "maximum": self.high}
         units = "|".join(DIMENSIONS[self.dimension])
-        return {"type": "string", "pattern": rf"^\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*({units})\s*$"}
+        return {"type": "string", "pattern": rf"^\s*[+-]?(\d+(?:\.\d*)?|\.\d+)([eE][+-]?\d+)?\s*({units})\s*$"}
 
     def _read(self, value: object) -> float:
         number = parse_quantity(value, self.dimension)

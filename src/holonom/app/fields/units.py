@@ -45,7 +45,9 @@ DIMENSIONS: Mapping[str, Mapping[str, float]] = {
 }
 """For each dimension the units that it may be written in, the usual one first, and what one of them is in SI."""
 
-_QUANTITY = re.compile(r"\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*(?P<unit>\S*)\s*", re.ASCII)
+_QUANTITY = re.compile(
+    r"\s*(?P<number>[+-]?(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][+-]?\d{1,3})?)\s*(?P<unit>\S*)\s*", re.ASCII
+)
 
 
 def unit_names(dimension: str) -> str:
