@@ -1,4 +1,4 @@
-"""A number of thousands of digits that is none is refused at once: its pattern does not look at each part of it again."""
+"""A number of thousands of digits that is none is refused at once: a pattern does not go back into its digits."""
 
 import time
 
