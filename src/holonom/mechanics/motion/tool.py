@@ -30,6 +30,7 @@ _LONG = 20_000  # samples beyond which the joints are a cubic between as many kn
 _TURN = 2.0 * np.pi
 _SMALL = 0.1  # joint motion between two samples (rad or m) of one branch that needs no second look
 _FREE = 1e-3  # distance (rad or m) from where the joints were going from which another member is looked for
+_SMOOTH = 1e-5  # joint motion between two samples (rad or m) that least steps may leave unexplained
 _SINGULAR = 1e-5  # least over greatest singular value of the Jacobian below which it tells no joint speeds
 _JUMP = 0.2  # joint motion between two samples (rad or m) that the Jacobian does not explain
 _START = 1e-6  # largest difference (rad or m) between q0 and its own inverse
@@ -207,7 +208,11 @@ def _inverse(arm: LineArm, start: Array, course: Course, s: Array) -> _Geometry:
         slope[~singular] = _solve(J[~singular], twists[~singular], course, s[~singular])
         stays = singular & np.roll(singular, 1) & np.roll(singular, -1)
         stays[[0, -1]] = singular[[0, -1]] & singular[[1, -2]]
-        slope[stays] = _least(J[stays], twists[stays])
+        least = slope.copy()
+        least[stays] = _least(J[stays], twists[stays])
+        moved = np.abs(np.diff(q, axis=0) - 0.5 * (least[1:] + least[:-1]) * np.diff(s)[:, None]).max(axis=1)
+        off = np.concatenate([moved[:1], np.maximum(moved[1:], moved[:-1]), moved[-1:]]) > _SMOOTH
+        slope = np.where((stays & ~off)[:, None], least, slope)  # a joint that turns by itself is told as it is
     else:
         slope = _solve(J, course.twists(s), course, s)
     step = np.abs(np.diff(q, axis=0))
