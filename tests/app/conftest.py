@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator
 from typing import Any
 
@@ -16,6 +17,7 @@ def each_photograph_is_looked_at_once() -> Iterator[None]:
     found: dict[Any, Any] = {}
     search = vision.find_coins
 
+    @functools.wraps(search)
     def once(image: Any, *more: Any) -> Any:
         key = image.tobytes(), image.shape, more
         if key not in found:
