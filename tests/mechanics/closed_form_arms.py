@@ -7,12 +7,13 @@ import math
 
 import numpy as np
 from arms import random_pose
+from scipy.spatial.transform import Rotation
 
 from holonom.mechanics import Arm, arm_from_dh
 from holonom.mechanics.equations import kinematics
 from holonom.mechanics.kernels.inverse.closed_form import ClosedForm, closed_form
 from holonom.mechanics.kernels.inverse.geometry import inverse_geometry
-from holonom.model import ArmModel, DHRow, Joint, JointLimits, arm_model_from_dh, constant_transform
+from holonom.model import ArmModel, DHRow, Joint, JointLimits, arm_model_from_dh, constant_transform, preset
 
 ANY = None
 FAMILIES = {  # twists in degrees, lengths a, offsets d (ANY: random), kinds; all standard DH
@@ -101,3 +102,15 @@ def apart(model: ArmModel, q: np.ndarray, other: np.ndarray) -> np.ndarray:
 def three_joint() -> Arm:
     """A waist, a shoulder and an elbow: it places points."""
     return arm_from_dh([DHRow(alpha=np.pi / 2, d=0.3), DHRow(a=0.25), DHRow(a=0.2)], convention="standard", name="j3")
+
+
+def calibrated(name: str, seed: int, rotation: float = 1e-3, shift: float = 3e-4) -> Arm:
+    """A preset with each joint frame turned and moved a little, as a calibration leaves it."""
+    rng, model = np.random.default_rng(seed), preset(name)
+    joints = []
+    for joint in model.joints:
+        off, axis, way = np.eye(4), rng.normal(size=3), rng.normal(size=3)
+        off[:3, :3] = Rotation.from_rotvec(axis / np.linalg.norm(axis) * rng.uniform(0.1, 1.0) * rotation).as_matrix()
+        off[:3, 3] = way / np.linalg.norm(way) * shift
+        joints.append(dataclasses.replace(joint, before=constant_transform(np.array(joint.before) @ off)))
+    return Arm(dataclasses.replace(model, joints=tuple(joints), bodies=None))

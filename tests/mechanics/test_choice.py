@@ -5,7 +5,7 @@ Truth: the joints that a pose was made from, which are at distance 0; solution s
 
 import numpy as np
 import pytest
-from test_closed_form_families import calibrated
+from closed_form_arms import calibrated
 
 from holonom.mechanics import IkStatus, arm_from_dh, load_arm
 from holonom.mechanics.arm.arm import Arm

@@ -7,7 +7,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from closed_form_arms import apart, fk, form_of, miss, solve
+from closed_form_arms import apart, calibrated, fk, form_of, miss, solve
 from peers import eaik_robot
 from scipy.spatial.transform import Rotation
 
@@ -162,18 +162,6 @@ def test_what_hangs_beside_the_way_to_the_tool():
 
 
 # --- calibrated arms --------------------------------------------------------------------------------------------------
-
-
-def calibrated(name, seed, rotation=1e-3, shift=3e-4):
-    """A preset with each joint frame turned and moved a little, as a calibration leaves it."""
-    rng, model = RNG(seed), preset(name)
-    joints = []
-    for joint in model.joints:
-        off, axis, way = np.eye(4), rng.normal(size=3), rng.normal(size=3)
-        off[:3, :3] = Rotation.from_rotvec(axis / np.linalg.norm(axis) * rng.uniform(0.1, 1.0) * rotation).as_matrix()
-        off[:3, 3] = way / np.linalg.norm(way) * shift
-        joints.append(dataclasses.replace(joint, before=constant_transform(np.array(joint.before) @ off)))
-    return Arm(dataclasses.replace(model, joints=tuple(joints), bodies=None))
 
 
 @pytest.mark.parametrize("name", ["ur5e", "puma560"])
