@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +14,7 @@ from holonom.arrays import Array
 from holonom.errors import InputError
 from holonom.mechanics.arm.beside import Beside
 from holonom.mechanics.arm.branches import Branches
-from holonom.mechanics.arm.limits import changed_limits
+from holonom.mechanics.arm.limits import LimitValues, changed_limits
 from holonom.mechanics.arm.placement import NO_LOAD, Placement
 from holonom.mechanics.equations.dynamics.inertia import Inertial, fixed_to_body, from_body, merged
 from holonom.mechanics.kernels.inverse.closed_form import ClosedForm, closed_form
@@ -106,7 +106,7 @@ class Arm:
         arm.calls = arm.placement.calls
         return arm
 
-    def with_limits(self, *, speed: float = 1.0, acceleration: float = 1.0, **values: ArrayLike) -> Arm:
+    def with_limits(self, *, speed: float = 1.0, acceleration: float = 1.0, **values: Unpack[LimitValues]) -> Arm:
         """Return the arm with other joint limits; those of joints that follow count as before (`ArmModel.limits`).
 
         Parameters

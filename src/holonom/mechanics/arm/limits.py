@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Mapping
+from typing import TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,14 +13,23 @@ from holonom.arrays import real_array, shown
 from holonom.errors import InputError, ShapeError, UnknownName
 from holonom.model import ArmModel, Joint
 
-__all__ = ["changed_limits"]
+__all__ = ["LimitValues", "changed_limits"]
+
+
+class LimitValues(TypedDict, total=False):
+    """Limits that may be set, (n,) or one for all joints: rad or m, per s, per s2, N m or N."""
+
+    lower: ArrayLike
+    upper: ArrayLike
+    speeds: ArrayLike
+    accelerations: ArrayLike
+    torques: ArrayLike
+
 
 FIELDS = {"lower": "lower", "upper": "upper", "speeds": "speed", "accelerations": "acceleration", "torques": "torque"}
 
 
-def changed_limits(
-    model: ArmModel, speed: float, acceleration: float, values: Mapping[str, ArrayLike]
-) -> tuple[Joint, ...]:
+def changed_limits(model: ArmModel, speed: float, acceleration: float, values: LimitValues) -> tuple[Joint, ...]:
     """Arguments and errors as for `Arm.with_limits`."""
     joints, moving = list(model.joints), model.independent
     for name, value in values.items():
