@@ -198,3 +198,10 @@ def test_doctor_knows_every_extra() -> None:
     assert set(EXTRAS) == set(extras) - {"all"}
     for name, extra in EXTRAS.items():
         assert set(extra.modules.values()) <= {re.split("[>=;]", need)[0] for need in extras[name]}, name
+
+
+def test_a_section_that_the_pages_cannot_show_is_named() -> None:
+    docstrings = load("docstrings")
+    assert "**Warns**\n\n- `Loud`: Why." in docstrings.markdown("One.\n\nWarns\n-----\nLoud\n    Why.\n")
+    with pytest.raises(ValueError, match="a section 'Return'; there are Parameters"):
+        docstrings.markdown("One.\n\nReturn\n------\nint\n    Two.\n")

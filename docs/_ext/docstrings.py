@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 import textwrap
 
-SECTION = re.compile(r"^(Parameters|Returns|Raises|Attributes|Notes|Yields|Examples|References|See Also)\n-{3,}$", re.M)
-LISTED = ("Parameters", "Attributes", "Raises")
+LISTED = ("Parameters", "Attributes", "Raises", "Warns")
+SECTIONS = (*LISTED, "Returns", "Notes", "Yields", "Examples", "References", "See Also")
+SECTION = re.compile(r"^(\S.*)\n-{3,}$", re.M)
 RULE = re.compile(r"^=+( +=+)+$")
 
 
@@ -24,10 +25,18 @@ def table(rows: list[list[str]], heads: list[str]) -> str:
 
 
 def markdown(doc: str) -> str:
-    """Return a docstring as Markdown, its sections as bold words and lists."""
+    """Return a docstring as Markdown, its sections as bold words and lists.
+
+    Raises
+    ------
+    ValueError
+        A heading that is none of `SECTIONS`.
+    """
     pieces = SECTION.split(doc)
     out = [prose(pieces[0])]
     for name, body in zip(pieces[1::2], pieces[2::2], strict=True):
+        if name not in SECTIONS:
+            raise ValueError(f"a docstring has a section {name!r}; there are {', '.join(SECTIONS)}")
         out.append(f"**{name}**\n")
         hangs = name == "Returns" and re.search(r"^\S.*\n +\S", textwrap.dedent(body).strip("\n"))
         out.append(listed(body) if name in LISTED or hangs else prose(textwrap.dedent(body)))
