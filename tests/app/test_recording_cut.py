@@ -268,6 +268,31 @@ def test_what_a_checksum_vouches_for_may_be_nonsense_too(tmp_path: Path) -> None
     assert partial > 200
 
 
+@pytest.mark.parametrize(
+    ("topic", "data", "said"),
+    [
+        ("/signals/.", b"\0\1\0\0\1", 0),
+        ("/signals/", b"\0\1\0\0\1", 0),
+        ("/signals/" + 10 * "9", b"\0\1\0\0\1", 0),
+        ("/signals/3", b"", 1),
+        ("/truth/odom", b"\0\1\0\0\1", 1),
+    ],
+)
+def test_a_topic_that_looks_like_ours_and_is_not(topic: str, data: bytes, said: int, tmp_path: Path) -> None:
+    path = tmp_path / "r.mcap"
+    with path.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start("ros2")
+        for k, (name, body) in enumerate([("/signals/7", b"\0\1\0\0\1"), (topic, data)]):
+            channel = writer.register_channel(name, "cdr", 0)
+            writer.add_message(channel, EPOCH + k, body, EPOCH + k)
+        writer.finish()
+    found = read_recording(path)
+    assert [(signal.number, signal.on) for signal in found.signals] == [(7, True)]
+    assert len(found.missing) == said
+    assert topic not in found.tracks
+
+
 def write_bytes(path: Path, data: bytes) -> Path:
     path.write_bytes(data)
     return path

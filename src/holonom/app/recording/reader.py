@@ -31,6 +31,8 @@ FORMER = {
 }
 """What topics were called before a recording stream of each what it is."""
 
+LONGEST_NUMBER = 10
+"""Digits that a signal's number is shorter than."""
 Heard = dict[Stream, Decoded]
 
 
@@ -111,11 +113,16 @@ def _name(stream: Stream) -> str:
 
 
 def _row(name: str, topics: Sequence[Topic]) -> Topic | None:
-    """Row of a topic; of one with open places by what stands before them."""
+    """Row of a topic; of one with an open place by what stands before it, and whether what stands in it fits."""
     for topic in topics:
-        if topic.name == name or ("{" in topic.name and name.startswith(topic.name.partition("{")[0])):
+        before, _, place = topic.name.partition("{")
+        if topic.name == name or (place and name.startswith(before) and _fits(place, name.removeprefix(before))):
             return topic
     return None
+
+
+def _fits(place: str, word: str) -> bool:
+    return word.isdecimal() and word.isascii() and len(word) < LONGEST_NUMBER if place == "number}" else bool(word)
 
 
 def _recordings(pieces: Pieces, by_stream: Heard, names: Sequence[str], robots: tuple[str, ...]) -> list[Recording]:
@@ -123,7 +130,7 @@ def _recordings(pieces: Pieces, by_stream: Heard, names: Sequence[str], robots: 
     shared = {decoded.name: decoded for decoded in by_stream.values() if decoded.row is not None and decoded.row.shared}
     frames = {name: track for (parent, name), track in _frames(shared, "/truth/tf").items() if parent == WORLD}
     tree, events = _frames(shared, "/tf"), shared["/rosout"].events if "/rosout" in shared else ()
-    common = {name: decoded.track() for name, decoded in shared.items()}
+    common = {name: decoded.track() for name, decoded in shared.items() if decoded.read}
     lacking = [missing for decoded in by_stream.values() if (missing := decoded.missing()) is not None]
     found = []
     for robot in names:
@@ -132,7 +139,8 @@ def _recordings(pieces: Pieces, by_stream: Heard, names: Sequence[str], robots: 
             for stream, decoded in by_stream.items()
             if decoded.row is not None and not decoded.row.shared
         }
-        tracks = {decoded.name: decoded.track() for stream, decoded in own.items() if stream.robot == robot}
+        mine = [decoded for stream, decoded in own.items() if stream.robot == robot and decoded.read]
+        tracks = {decoded.name: decoded.track() for decoded in mine}
         joints = next((track.names for track in tracks.values() if track.names), ())
         found.append(
             Recording(

@@ -58,6 +58,11 @@ class Decoded:
         for key, time, values in frames:
             self._parts[key].append((time, values))
 
+    @property
+    def read(self) -> bool:
+        """Whether any message of it was of its type."""
+        return bool(self._tracks)
+
     def missing(self) -> Missing | None:
         """What was passed over."""
         if not self.bad:
@@ -66,9 +71,7 @@ class Decoded:
         return Missing(self._first_bad, self._last_bad, (what,), 0)
 
     def track(self) -> Track:
-        """All of it as one track; messages of other joints, or with other fields, than the first are left out."""
-        if not self._tracks:
-            return Track(np.empty(0), {})
+        """All that was `read` of it as one track; messages of other joints or fields than the first are left out."""
         first = self._tracks[0]
         same = [track for track in self._tracks if _shape(track) == _shape(first)]
         time = np.concatenate([track.time for track in same])

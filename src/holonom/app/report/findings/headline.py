@@ -49,10 +49,11 @@ def _of_base(robot: RobotSource) -> dict[str, str]:
         facts["Path error, rms"] = f"{1e3 * whole.rms:.1f} mm"
         base = robot.facts.base
         if base is not None and base.position_tolerance is not None:
-            facts["Largest path error"] = f"{1e3 * whole.peak:.0f} mm, {1e3 * base.position_tolerance:.0f} mm allowed"
+            allowed = f"{1e3 * base.position_tolerance:.0f} mm allowed"
+            facts[f"Largest path error, {allowed}"] = f"{1e3 * whole.peak:.0f} mm"
         if base is not None and base.heading_tolerance is not None:
             allowed = f"{np.degrees(base.heading_tolerance):g} deg allowed"
-            facts["Largest heading error"] = f"{np.degrees(whole.heading):.1f} deg, {allowed}"
+            facts[f"Largest heading error, {allowed}"] = f"{np.degrees(whole.heading):.1f} deg"
     if found.slips:
         facts["Slips with the right name"] = f"{sum(slip.right for slip in found.slips)} of {len(found.slips)}"
     delays = [slip.naming_delay for slip in found.slips if slip.naming_delay is not None]
