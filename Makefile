@@ -2,6 +2,7 @@
 # into it what it needs, nothing else.
 PYTHON ?= python3
 PYTEST_ARGS ?=
+PYTEST_WORKERS ?= 2
 BENCH_ARGS ?=
 FUZZ_ARGS ?=
 VENV := .venv
@@ -19,7 +20,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 help:
 	@echo "make demo    a Puma 560 sorts the coins it sees in a photograph; writes $(DEMO)/report.html"
-	@echo "make test    lint, types, layers, then every test (PYTEST_ARGS='-k ik' narrows them)"
+	@echo "make test    lint, types, layers, then every test in two processes (PYTEST_ARGS='-k ik' narrows them, PYTEST_WORKERS=0: one process)"
 	@echo "make check   lint, types and layers only"
 	@echo "make fuzz    every reader of files against damaged inputs (FUZZ_ARGS='cell --count 1000' narrows them)"
 	@echo "make oracle  the same quantities by peer libraries, and every benchmark once, small"
@@ -33,7 +34,7 @@ demo: $(VENV)/demo.stamp
 	@echo "Report: file://$(CURDIR)/$(DEMO)/report.html"
 
 test: check $(VENV)/test.stamp
-	$(BIN)/python -m pytest -m 'not oracle' $(PYTEST_ARGS)
+	$(BIN)/python -m pytest -m 'not oracle' -n $(PYTEST_WORKERS) --dist loadfile $(PYTEST_ARGS)
 
 oracle: $(VENV)/oracle.stamp
 	$(BIN)/python -m pytest -m oracle $(PYTEST_ARGS)

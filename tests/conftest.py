@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import functools
 import os
 import subprocess
@@ -90,14 +91,21 @@ def roboticstoolbox() -> ModuleType:
 @pytest.fixture(scope="session")
 def example_run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     """Run an example's cell once per session, as a user does; give its run folder ("01_sort_coins" -> path)."""
+    shared = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        shared = shared.parent
 
     @functools.cache
     def run(name: str) -> Path:
-        folder = tmp_path_factory.mktemp(name) / "run"
-        cell = ROOT / "examples" / name / "cell.toml"
-        command = [sys.executable, "-m", "holonom", "run", cell, "-o", folder, "--quiet"]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
+        folder = shared / "examples" / name
+        folder.parent.mkdir(exist_ok=True)
+        with folder.with_suffix(".lock").open("w") as lock:  # of two workers one runs it, the other one waits
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            if not folder.exists():
+                cell = ROOT / "examples" / name / "cell.toml"
+                command = [sys.executable, "-m", "holonom", "run", cell, "-o", folder, "--quiet"]
+                done = subprocess.run(command, capture_output=True, text=True, check=False)
+                assert done.returncode == 0, done.stderr
         return folder
 
     return run
