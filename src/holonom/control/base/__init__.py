@@ -1,0 +1,1 @@
+"""Loops of a base: estimate, path keeping, traction, force, shaping of velocities; tuning of its wheels."""
