@@ -10,7 +10,7 @@ from simulated_bases import BASES, DRIVE, soccer
 
 from holonom.closed_loop.base import simulate_base
 from holonom.closed_loop.base_log import BaseLog
-from holonom.control.traction import TractionSettings
+from holonom.control.base.traction import TractionSettings
 from holonom.errors import ModelError, OutOfLimits, UnknownName
 from holonom.machine.base.paths import PathLimits, ReferencePath, figure_of_eight, plan_path
 from holonom.machine.base.settings import BaseSettings, Creep, slip_settings

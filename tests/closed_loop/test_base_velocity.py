@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from simulated_bases import BASES, DRIVE
 
 from holonom.closed_loop import BaseLoop
-from holonom.control.shaping import ShapingSettings
-from holonom.control.shaping_kernels import AxisShape, shaping_step
+from holonom.control.base.shaping import ShapingSettings
+from holonom.control.base.shaping_kernels import AxisShape, shaping_step
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.machine import BaseController, BaseSettings, PathLimits, plan_path
 from holonom.machine.base.kernels import DONE

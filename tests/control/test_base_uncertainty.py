@@ -11,8 +11,8 @@ import pytest
 from holonom.app.cell import load_cell
 from holonom.app.cell.build.job import build_job
 from holonom.closed_loop import simulate_base
-from holonom.control.base_uncertainty import UncertaintySettings, covariance_along
-from holonom.control.path_keeping import EstimateSettings
+from holonom.control.base.path_keeping import EstimateSettings
+from holonom.control.base.uncertainty import UncertaintySettings, covariance_along
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.machine import PATHS, BaseSettings, Creep, PathLimits, plan_path
 from holonom.machine.base.uncertainty import pose_uncertainty

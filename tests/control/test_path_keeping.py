@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from holonom.control.base_kernels import (
+from holonom.control.base.force_kernels import Body, allocation, feasible_rate, force_part, wrench_of
+from holonom.control.base.kernels import (
     Planar,
     estimate_step,
     ground_speed,
@@ -18,8 +19,7 @@ from holonom.control.base_kernels import (
     reference_at,
     wanted_acceleration,
 )
-from holonom.control.force_kernels import Body, allocation, feasible_rate, force_part, wrench_of
-from holonom.control.path_keeping import EstimateSettings, KeepingSettings
+from holonom.control.base.path_keeping import EstimateSettings, KeepingSettings
 from holonom.errors import OutOfLimits
 
 PARAMS = KeepingSettings().params(1e-3)

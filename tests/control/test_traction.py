@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.signal import cont2discrete
 
 from holonom.control import ServoAxis
-from holonom.control.base_kernels import (
+from holonom.control.base.kernels import (
     JAMMED,
     OPEN,
     WORKS,
@@ -22,8 +22,8 @@ from holonom.control.base_kernels import (
     watch_verdict,
     within_slip,
 )
-from holonom.control.base_tuning import tune_wheel
-from holonom.control.traction import TractionSettings, WatchSettings
+from holonom.control.base.traction import TractionSettings, WatchSettings
+from holonom.control.base.tuning import tune_wheel
 from holonom.errors import OutOfLimits
 
 TRACTION = TractionSettings()

@@ -20,7 +20,7 @@ Verbs that make their params:
 `AxisLimits`             limits; `Violation` names them, `drive_fault` words the stop
 =======================  =======================================================================
 
-Loops on a mobile base (compiled steps in `base_kernels`):
+Loops on a mobile base (compiled steps in `base.kernels`):
 
 =======================  =======================================================================
 `KeepingSettings`        path keeping: feed-forward and PI on the pose error, acceleration limited
@@ -33,7 +33,9 @@ Loops on a mobile base (compiled steps in `base_kernels`):
 Tables: `CONTROLLERS` of an arm's joints, `BASE_CONTROLLERS`, the parts above.
 """
 
-from holonom.control.base_tuning import WheelLoop, tune_wheel
+from holonom.control.base.path_keeping import EstimateSettings, KeepingSettings
+from holonom.control.base.traction import TractionSettings, WatchSettings
+from holonom.control.base.tuning import WheelLoop, tune_wheel
 from holonom.control.computed_torque import acceleration_params, greatest_bandwidth
 from holonom.control.kernels import (
     AccelerationParams,
@@ -53,8 +55,6 @@ from holonom.control.kernels import (
 )
 from holonom.control.limits import AxisLimits, Violation, drive_fault
 from holonom.control.methods import BASE_CONTROLLERS, CONTROLLERS, CascadeSettings, ComputedTorqueSettings
-from holonom.control.path_keeping import EstimateSettings, KeepingSettings
-from holonom.control.traction import TractionSettings, WatchSettings
 from holonom.control.tuning import CascadeGains, LoopMargin, SampleTimes, ServoAxis, design_cascade
 
 __all__ = [

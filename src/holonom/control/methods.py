@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from holonom.control.path_keeping import EstimateSettings, KeepingSettings
-from holonom.control.traction import TractionSettings, WatchSettings
+from holonom.control.base.path_keeping import EstimateSettings, KeepingSettings
+from holonom.control.base.traction import TractionSettings, WatchSettings
 from holonom.registry import OWN, Method, Table, check_fields, parameter
 
 __all__ = ["BASE_CONTROLLERS", "CONTROLLERS", "CascadeSettings", "ComputedTorqueSettings"]

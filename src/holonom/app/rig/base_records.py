@@ -9,7 +9,7 @@ from holonom.app.job import BaseJob
 from holonom.app.rig.wheel_frames import wheel_frames, wheel_poses
 from holonom.arrays import Array
 from holonom.closed_loop.base_kernels import LogBuffer
-from holonom.control.base_uncertainty import PoseUncertainty
+from holonom.control.base.uncertainty import PoseUncertainty
 from holonom.machine.base.settings import Creep
 from holonom.machine.base.uncertainty import pose_uncertainty
 from holonom.mobile import SlipStatus

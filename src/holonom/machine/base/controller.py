@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, finite_array, real_array
 from holonom.control import ServoAxis
-from holonom.control.base_tuning import WheelLoop, tune_wheel
-from holonom.control.force_kernels import Body
-from holonom.control.traction import TractionSettings, WatchSettings
+from holonom.control.base.force_kernels import Body
+from holonom.control.base.traction import TractionSettings, WatchSettings
+from holonom.control.base.tuning import WheelLoop, tune_wheel
 from holonom.devices import tracking_params
 from holonom.devices.drive_signals import WheelSignals
 from holonom.errors import ShapeError

@@ -1,7 +1,7 @@
 """One millisecond of a base's controller, compiled: sensors, estimate, path or velocity, wheel loops.
 
 What it knows comes from counters, shunts, gyro and accelerometers only. Records in `records.py`, what is done wheel by
-wheel in `wheel_kernels.py`, the loops' steps in `control.base_kernels`, slip detection in `mobile.drive.slip_kernels`.
+wheel in `wheel_kernels.py`, the loops' steps in `control.base.kernels`, slip detection in `mobile.drive.slip_kernels`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.arrays import Array
-from holonom.control.base_kernels import (
+from holonom.control.base.force_kernels import feasible_rate, wrench_of
+from holonom.control.base.kernels import (
     EstimateParams,
     Planar,
     estimate_step,
@@ -22,8 +23,7 @@ from holonom.control.base_kernels import (
     reference_at,
     wanted_acceleration,
 )
-from holonom.control.force_kernels import feasible_rate, wrench_of
-from holonom.control.shaping_kernels import drivable_twist, shaping_step
+from holonom.control.base.shaping_kernels import drivable_twist, shaping_step
 from holonom.devices.drive_signals import WheelSignals
 from holonom.machine.base.params import BaseParams, BaseTask, Work
 from holonom.machine.base.wheel_kernels import (

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from holonom.arrays import Array
-from holonom.control.base_kernels import EstimateParams, KeepingParams, TractionParams, WatchParams
-from holonom.control.force_kernels import Body
-from holonom.control.shaping_kernels import ShapingParams
+from holonom.control.base.force_kernels import Body
+from holonom.control.base.kernels import EstimateParams, KeepingParams, TractionParams, WatchParams
+from holonom.control.base.shaping_kernels import ShapingParams
 from holonom.mobile.drive.slip_kernels import SlipParams
 
 __all__ = ["BaseParams", "BaseTask", "Work"]

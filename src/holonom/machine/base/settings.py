@@ -6,9 +6,9 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from holonom.control.path_keeping import EstimateSettings, KeepingSettings
-from holonom.control.shaping import ShapingSettings
-from holonom.control.traction import TractionSettings, WatchSettings
+from holonom.control.base.path_keeping import EstimateSettings, KeepingSettings
+from holonom.control.base.shaping import ShapingSettings
+from holonom.control.base.traction import TractionSettings, WatchSettings
 from holonom.errors import OutOfLimits, UnknownName
 from holonom.mobile.drive.base_drive import BaseDrive, BaseSensors
 from holonom.mobile.drive.slip import SlipSettings

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from holonom.arrays import Array
-from holonom.control.base_uncertainty import UncertaintySettings
-from holonom.control.path_keeping import EstimateSettings
+from holonom.control.base.path_keeping import EstimateSettings
+from holonom.control.base.uncertainty import UncertaintySettings
 from holonom.machine.base.settings import Creep
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.base_drive import (

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.arrays import Array
-from holonom.control.base_kernels import (
+from holonom.control.base.force_kernels import allocation
+from holonom.control.base.kernels import (
     JAMMED,
     WORKS,
     Planar,
@@ -24,7 +25,6 @@ from holonom.control.base_kernels import (
     watch_verdict,
     within_slip,
 )
-from holonom.control.force_kernels import allocation
 from holonom.control.kernels import speed_step
 from holonom.devices.kernels import (
     EncoderParams,

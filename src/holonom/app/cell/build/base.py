@@ -16,7 +16,7 @@ from holonom.app.cell.model.tasks import FAULTS, PathTable, StartTable
 from holonom.app.job import BaseJob, PathTolerance, Task
 from holonom.app.report.findings.base_outline import margin_of
 from holonom.arrays import Array
-from holonom.control.shaping import ShapingSettings
+from holonom.control.base.shaping import ShapingSettings
 from holonom.devices import DcMotor, Encoder, Friction, Gear
 from holonom.errors import CellError, InputError, ModelError
 from holonom.machine import PATHS, BaseSettings, PathLimits, ReferencePath, plan_path

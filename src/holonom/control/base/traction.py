@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from holonom.control.base_kernels import TractionParams, WatchParams
+from holonom.control.base.kernels import TractionParams, WatchParams
 from holonom.errors import OutOfLimits
 from holonom.registry import check_fields, parameter
 
@@ -13,7 +13,7 @@ __all__ = ["TractionSettings", "WatchSettings"]
 
 @dataclass(frozen=True, slots=True)
 class TractionSettings:
-    """How much slip is wanted; laws in `control.base_kernels.traction_step` and `within_slip`.
+    """How much slip is wanted; laws in `control.base.kernels.traction_step` and `within_slip`.
 
     Friction peaks between the two slips.
 
@@ -45,7 +45,7 @@ class TractionSettings:
 
 @dataclass(frozen=True, slots=True)
 class WatchSettings:
-    """When a motor counts as dead or jammed; laws in `control.base_kernels.watch_step` and `watch_verdict`.
+    """When a motor counts as dead or jammed; laws in `control.base.kernels.watch_step` and `watch_verdict`.
 
     The least current is several times the noise of the shunt, standstill the noise of an encoder count. A wheel of a
     base that others push may pass through standstill against its command; one that is jammed stays there. The floor can

@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from holonom.arrays import Array
-from holonom.control.base_kernels import Planar
+from holonom.control.base.kernels import Planar
 from holonom.trace.code.loops import loop
 
 __all__ = ["AxisShape", "ShapingParams", "drivable_twist", "shaping_step"]

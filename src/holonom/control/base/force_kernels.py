@@ -1,6 +1,6 @@
 """Compiled: force that a base's acceleration takes, shared among its wheels, and what of it they can make.
 
-Bases come in as in `control.base_kernels`.
+Bases come in as in `control.base.kernels`.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from holonom.arrays import Array
-from holonom.control.base_kernels import Planar, ground_speed
+from holonom.control.base.kernels import Planar, ground_speed
 from holonom.trace.code.loops import loop
 
 __all__ = ["Body", "allocation", "feasible_rate", "force_part", "wrench_of"]

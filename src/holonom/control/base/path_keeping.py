@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from math import inf
 
-from holonom.control.base_kernels import EstimateParams, KeepingParams
+from holonom.control.base.kernels import EstimateParams, KeepingParams
 from holonom.registry import check_fields, parameter
 
 __all__ = ["EstimateSettings", "KeepingSettings"]
@@ -14,7 +14,7 @@ __all__ = ["EstimateSettings", "KeepingSettings"]
 
 @dataclass(frozen=True, slots=True)
 class KeepingSettings:
-    """Feed-forward and PI on the pose error, acceleration limited; law in `control.base_kernels.keeping_step`.
+    """Feed-forward and PI on the pose error, acceleration limited; law in `control.base.kernels.keeping_step`.
 
     Raises
     ------
@@ -61,7 +61,7 @@ class KeepingSettings:
 
 @dataclass(frozen=True, slots=True)
 class EstimateSettings:
-    """Velocity from gyro, accelerometers and wheels; law in `control.base_kernels.estimate_step`.
+    """Velocity from gyro, accelerometers and wheels; law in `control.base.kernels.estimate_step`.
 
     The largest pull keeps all wheels spinning at once from carrying it away.
 

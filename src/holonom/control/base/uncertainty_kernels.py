@@ -12,7 +12,7 @@ import math
 from typing import NamedTuple
 
 from holonom.arrays import Array
-from holonom.control.base_kernels import Planar
+from holonom.control.base.kernels import Planar
 from holonom.trace.code.compiled import sincos
 from holonom.trace.code.loops import loop
 
@@ -27,7 +27,7 @@ SLOW = 0.02  # m/s, below which drag fades
 
 
 class UncertaintyParams(NamedTuple):
-    """Standard deviations; see `control.base_uncertainty.UncertaintySettings`."""
+    """Standard deviations; see `control.base.uncertainty.UncertaintySettings`."""
 
     dt: float
     start: float  # m, and rad per metre of lever: of the first pose

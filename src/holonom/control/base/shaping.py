@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
-from holonom.control.shaping_kernels import AxisShape, ShapingParams
+from holonom.control.base.shaping_kernels import AxisShape, ShapingParams
 from holonom.errors import OutOfLimits
 
 __all__ = ["ShapingSettings"]
@@ -13,7 +13,7 @@ __all__ = ["ShapingSettings"]
 
 @dataclass(frozen=True, slots=True)
 class ShapingSettings:
-    """Limits of a base that follows velocities, per axis; law in `control.shaping_kernels.shaping_step`.
+    """Limits of a base that follows velocities, per axis; law in `control.base.shaping_kernels.shaping_step`.
 
     Attributes
     ----------

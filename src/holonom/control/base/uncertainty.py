@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holonom.arrays import Array
-from holonom.control.base_kernels import Planar
-from holonom.control.uncertainty_kernels import (
+from holonom.control.base.kernels import Planar
+from holonom.control.base.uncertainty_kernels import (
     CONSTANTS,
     UncertaintyParams,
     pose_covariance,
@@ -24,7 +24,7 @@ __all__ = ["PoseUncertainty", "UncertaintySettings", "covariance_along"]
 
 @dataclass(frozen=True, slots=True)
 class UncertaintySettings:
-    """Standard deviations of what `control.base_kernels.estimate_step` does not know.
+    """Standard deviations of what `control.base.kernels.estimate_step` does not know.
 
     Attributes
     ----------
