@@ -106,7 +106,8 @@ def test_a_recording_that_is_gone_is_a_fault_of_the_run(
 def test_a_full_disk(tmp_path: Path) -> None:
     """Files of at most 60 kilobytes: told in words, what was recorded can be read, no lock stays."""
     out = tmp_path / "out"
-    command = f"unset HOLONOM_CACHE_LOG; ulimit -f 60; exec {sys.executable} -m holonom run {cell(tmp_path, 'DELAY 1')} -o {out} --quiet"
+    run = f"{sys.executable} -m holonom run {cell(tmp_path, 'DELAY 1')} -o {out} --quiet"
+    command = f"unset HOLONOM_CACHE_LOG; ulimit -f 60; exec {run}"
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     assert done.returncode == 1, done.stderr
     assert "File too large" in done.stderr
