@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, finite, is_finite, is_number, shown, vectors
-from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError
+from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile.base import equations as base_equations
 from holonom.mobile.base.castors import CastorRates, castor_rates
 from holonom.mobile.base.drivable import Wedges, tightest_curve
@@ -18,7 +18,7 @@ from holonom.mobile.base.dynamics import free_motions, inertia_over_mass, reacti
 from holonom.mobile.base.mobility import check_movable, seen_twists
 from holonom.mobile.base.refusals import beyond_steering, dragged_wheel, undetermined
 from holonom.mobile.base.wheel import KINDS, Wheel
-from holonom.mobile.base.wheel_set import named_wheels, positive
+from holonom.mobile.base.wheel_set import SUSPENSIONS, body_inertia, named_wheels, positive
 from holonom.mobile.base.wheel_set import steering_groups as grouped
 from holonom.mobile.equations.base_models import Layout
 from holonom.mobile.equations.forward import DETERMINED
@@ -46,11 +46,19 @@ class WheelBase:
     radius
         R, m: scales turning, as R w beside vx and vy. None: root mean square distance of the wheels from the origin.
     alpha
-        Mass distribution, inertia about the centre of mass = alpha mass R^2: 1/2 a disc, 1 a ring.
+        Mass distribution, yaw inertia about the centre of mass = alpha mass R^2: 1/2 a disc, 1 a ring.
     mass
         kg; None where it does not matter.
     com, com_height
         Centre of mass (x, y) in base_link and its height above the floor, m.
+    inertia
+        Instead of alpha, about the centre of mass, along the axes of base_link, kg m^2: (3, 3), (3,) its diagonal, or one
+        number for every axis.
+    suspension
+        How weight comes to the wheels: "rigid" (least sum of squares of loads), or "rocker_bogie" (three wheels a
+        side).
+    balances
+        Whether its body is an inverted pendulum on its axle.
     steering_groups
         Name -> names of steered wheels that one motor turns together, by the same angle. Wheels in none steer alone.
 
@@ -78,6 +86,9 @@ class WheelBase:
         mass: float | None = None,
         com: Sequence[float] = (0.0, 0.0),
         com_height: float = 0.0,
+        inertia: ArrayLike | None = None,
+        suspension: str = "rigid",
+        balances: bool = False,
         steering_groups: Mapping[str, Sequence[str]] | None = None,
     ) -> None:
         self.name, self.wheels = name, named_wheels(name, wheels)
@@ -91,6 +102,12 @@ class WheelBase:
                 f"base {name!r} has com_height {shown(com_height)}; a height in m that is not below zero is needed"
             )
         self.com_height = float(com_height)
+        self.inertia = body_inertia(name, inertia, alpha, self.mass, self.radius)
+        if inertia is not None:
+            self.alpha = float(self.inertia[2, 2]) / (self.mass or 1.0) / self.radius**2
+        if suspension not in SUSPENSIONS:
+            raise UnknownName("suspension", suspension, SUSPENSIONS)
+        self.suspension, self.balances = suspension, bool(balances)
         groups = grouped(name, self.wheels, steering_groups or {})
         self.steered = tuple(groups)
         self.layout = Layout(self.wheels, tuple(groups.values()), self.radius)

@@ -100,11 +100,40 @@ def supports(base: WheelBase) -> Array:
 def load_shares(base: WheelBase) -> Array:
     """How weight and its moments about the centre of mass spread over the wheels (k, 3), driven ones first.
 
-    The loads of least square sum while all wheels stay down.
+    The loads of least square sum while all wheels stay down; of rockers and bogies those that balance on their pivots.
     """
+    if base.suspension == "rocker_bogie":
+        return rocker_shares(base)
     at = supports(base)
     A = np.concatenate([np.ones((1, len(at))), at.T])
     return np.ascontiguousarray(np.linalg.pinv(A))
+
+
+def rocker_shares(base: WheelBase) -> Array:
+    """Shares (6, 3) of weight and its moments where a bogie on each side carries its two rear wheels alike.
+
+    The rockers turn about the body amid the wheels, and a differential makes their moments there equal.
+
+    Raises
+    ------
+    ModelError
+        Not six wheels, three on each side.
+    """
+    at = supports(base)
+    beside = at[:, 1] - at[:, 1].mean()
+    sides = [sorted(np.flatnonzero(sign * beside > 0.0), key=lambda k: -at[k, 0]) for sign in (1.0, -1.0)]
+    if [len(side) for side in sides] != [3, 3]:
+        raise ModelError(f"base {base.name!r} has {len(at)} wheels; rockers and bogies carry three on each side")
+    rows, asked = [np.ones(6), at[:, 0], at[:, 1]], [*np.eye(3)]
+    pivot, moments = at[:, 0].mean(), np.zeros(6)
+    for (_, middle, rear), sign in zip(sides, (1.0, -1.0), strict=True):
+        equal = np.zeros(6)
+        equal[middle], equal[rear] = 1.0, -1.0
+        rows.append(equal)
+        moments += sign * np.isin(np.arange(6), sides[0 if sign > 0.0 else 1]) * (at[:, 0] - pivot)
+    rows.append(moments)
+    asked += [np.zeros(3)] * 3
+    return np.ascontiguousarray(np.linalg.solve(np.array(rows), np.array(asked)))
 
 
 def roller_cosines(base: WheelBase) -> Array:
