@@ -33,7 +33,7 @@ def voltages(n: int, m: int, seed: int = 0, size: float = 10.0) -> np.ndarray:
 def test_energy_balance(name: str, drive: BaseDrive, floor: Floor) -> None:
     """Air-gap work is kinetic energy and what friction took, to rounding; no loss is negative."""
     plant = BasePlant(BASES[name], drive, floor)
-    log = plant.drive_open(voltages(400, len(plant.driven)))
+    log = plant.drive_open(voltages(400, len(plant.base.driven)))
     _, _, airgap, drag, ground = (plant.state[0][n] for n in ("supplied", "heat", "airgap", "drag", "ground"))
     assert airgap == pytest.approx(plant.kinetic_energy() + drag + ground, abs=1e-9 * max(1.0, abs(airgap)))
     assert plant.kinetic_energy() > 0.1
@@ -49,7 +49,7 @@ def test_electrical_energy(name: str) -> None:
     errors = []
     for substeps in (4, 16):
         plant = BasePlant(BASES[name], DRIVE, substeps=substeps)
-        plant.drive_open(voltages(300, len(plant.driven)))
+        plant.drive_open(voltages(300, len(plant.base.driven)))
         s = plant.state[0]
         field = 0.5 * DRIVE.motor.inductance * (plant.states["current"] ** 2).sum()
         errors.append(abs(s["supplied"] - s["heat"] - s["airgap"] - field) / s["supplied"])
@@ -62,7 +62,7 @@ def test_electrical_energy(name: str) -> None:
 @given(seed=st.integers(0, 10**6), peak=st.floats(0.05, 1.2))
 def test_no_force_beyond_friction(name: str, seed: int, peak: float) -> None:
     plant = BasePlant(BASES[name], DRIVE, Floor(Material(peak, 0.7 * peak, 0.05)), substeps=2)
-    log = plant.drive_open(voltages(200, len(plant.driven), seed, 14.0))
+    log = plant.drive_open(voltages(200, len(plant.base.driven), seed, 14.0))
     force = np.hypot(log.forces, log.cross_forces)
     assert (force <= log.friction_limits * (1.0 + 1e-12) + 1e-12).all()
     assert force.max() > 0.01
@@ -131,7 +131,7 @@ def test_steady_state_is_the_coupling(name: str, twist: tuple[float, float, floa
     plant.drive_open(np.tile(u, (4000, 1)))
     s = plant.state[0]
     reached = np.array([s["vx"], s["vy"], s["w"]])
-    speeds = plant.states["speed"].flat[: len(plant.driven)]
+    speeds = plant.states["speed"].flat[: len(plant.base.driven)]
     np.testing.assert_allclose(plant.radii * speeds, plant.rows @ reached, atol=1e-4)
     np.testing.assert_allclose(reached, twist, rtol=3e-3, atol=1e-3)
 

@@ -27,6 +27,7 @@ from holonom.trace import Kernel, check_threads
 
 __all__ = ["WheelBase"]
 
+ROUNDING = 1e-12  # of a matrix's entries
 DRAG = 1e-6
 """Sideways speed of a wheel, m/s, below which a twist counts as one that drags nothing."""
 
@@ -52,8 +53,8 @@ class WheelBase:
     com, com_height
         Centre of mass (x, y) in base_link and its height above the floor, m.
     inertia
-        Instead of alpha, about the centre of mass, along the axes of base_link, kg m^2: (3, 3), (3,) its diagonal, or one
-        number for every axis.
+        Instead of alpha, about the centre of mass, along the axes of base_link, kg m^2: (3, 3), (3,) its diagonal, or
+        one number for every axis.
     suspension
         How weight comes to the wheels: "rigid" (least sum of squares of loads), or "rocker_bogie" (three wheels a
         side).
@@ -364,7 +365,26 @@ class WheelBase:
                 f"base {self.name!r} steers ({', '.join(self.steered)}): its coupling is no constant; "
                 "rolling_matrix(steering) holds the rows"
             )
+        return self.rest_coupling
+
+    @property
+    def rest_coupling(self) -> Array:
+        """D (m, 3) with the steered wheels at rest: rim speeds, m/s, per (vx, vy, R w)."""
         return self.rolling_matrix()[self._driven_rows] * np.array([1.0, 1.0, 1.0 / self.radius])
+
+    @property
+    def steerable(self) -> Array:
+        """(3, 3): a twist to the nearest one that drags no wheel once the steered ones have turned, limits apart."""
+        scale = np.array([1.0, 1.0, self.radius])
+        S = free_motions(self._wedges.held)
+        found: Array = (S @ S.T) * scale / scale[:, None]
+        return np.where(np.abs(found) < ROUNDING, 0.0, found)
+
+    @property
+    def goes_sideways(self) -> bool:
+        """Whether it can move along y at once, without turning first."""
+        aside = np.array([0.0, 1.0, 0.0])
+        return bool(np.abs(self.feasible(aside) - aside).max() < DRAG)
 
     @property
     def force_coupling(self) -> Array:

@@ -24,7 +24,7 @@ from holonom.mobile import BaseDrive, BaseSensors, WheelBase
 from holonom.mobile.drive.sized import sized_base_drive
 from holonom.mobile.odometry import integrate
 from holonom.sim import BaseFault
-from holonom.sim.base.plant import driven_wheels
+from holonom.sim.base.plant import simulated_lanes
 from holonom.spatial import pose
 
 __all__ = ["build_base_job", "deck_height", "refuse_unsimulated", "unsimulated"]
@@ -46,7 +46,7 @@ def deck_height(base: WheelBase) -> float:
 def unsimulated(base: WheelBase) -> str | None:
     """Why a base cannot be simulated, None where it can."""
     try:
-        driven_wheels(base)
+        simulated_lanes(base)
     except ModelError as problem:
         return str(problem)
     return None

@@ -14,7 +14,7 @@ from holonom.app.recording.scope import Scope
 from holonom.app.report import Box, Label, Shape, Tube
 from holonom.arrays import Array
 from holonom.mobile import Wheel, WheelBase
-from holonom.sim.base.plant import SIMULATED
+from holonom.sim.base.wheel_rows import SIMULATED
 from holonom.spatial import pose
 
 __all__ = ["patch_shapes", "path_shapes", "reach_of", "shapes_of_base"]
