@@ -10,13 +10,14 @@ from simulated_bases import BASES, DRIVE, LOSSLESS, soccer
 
 from holonom.devices.kernels import friction_torque
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
-from holonom.mobile.arrangements import ackermann, omni
+from holonom.mobile import Wheel, WheelBase
+from holonom.mobile.arrangements import omni, segway
 from holonom.mobile.drive.base_drive import BaseDrive
 from holonom.model.gravity import GRAVITY
 from holonom.numeric.small_kernels import solve_positive3
 from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch
 from holonom.sim.base.kernels import BLOCKED, DEAD, _friction, break_motor, slip_friction
-from holonom.sim.base.plant import BasePlant
+from holonom.sim.base.plant import BaseFault, BasePlant
 
 SLICK = Floor(Material(0.0, 0.0, 0.1))
 
@@ -40,7 +41,8 @@ def test_energy_balance(name: str, drive: BaseDrive, floor: Floor) -> None:
     assert (np.diff(log.energy[:, 4]) >= -1e-12).all()
     assert (np.diff(log.energy[:, 3]) >= -1e-9).all()
     if drive is LOSSLESS:
-        assert abs(drag) < 1e-9 * airgap + 1e-9
+        castors = any(wheel.kind == "castor" for wheel in plant.base.wheels)  # whose bearings take a little
+        assert abs(drag) < (1e-4 if castors else 1e-9) * airgap + 1e-9
 
 
 @pytest.mark.parametrize("name", BASES)
@@ -74,7 +76,7 @@ def test_loads_carry_the_weight_and_shift_with_acceleration() -> None:
     log = plant.drive_open(np.tile(8.0 * np.sign(plant.rows[:, 0]), (100, 1)))
     k = slice(5, 60)
     np.testing.assert_allclose(log.loads[k].sum(axis=1), 6.35 * GRAVITY, rtol=1e-12)
-    x = np.array([w.x for w in plant.driven])
+    x = np.array([w.x for w in plant.base.wheels if w.driven])
     moment = log.loads[k] @ x
     forward = log.acceleration[k, 0]
     assert np.abs(forward).max() > 1.0
@@ -245,8 +247,14 @@ def test_solver(seed: int) -> None:
 def test_bad_input() -> None:
     with pytest.raises(ModelError, match="no mass"):
         BasePlant(omni(n=3, radius=0.1, wheel_radius=0.03), DRIVE)
-    with pytest.raises(ModelError, match="steered"):
-        BasePlant(ackermann(0.3, 0.2, 0.03, mass=3.0), DRIVE)
+    with pytest.raises(ModelError, match="not simulated yet"):
+        BasePlant(segway(0.3, 0.05, mass=3.0), DRIVE)
+    with pytest.raises(ModelError, match=r"ball 1.*spherical; simulated are"):
+        BasePlant(WheelBase([Wheel.at("spherical", 0.0, 0.0, radius=0.1, driven=True, name="ball 1")], mass=1.0), DRIVE)
+    with pytest.raises(UnknownName, match="steered wheel"):
+        BasePlant(BASES["omni 4"], DRIVE, faults=[BaseFault(1.0, "wheel 1", "stuck")])
+    with pytest.raises(OutOfLimits, match="slope"):
+        Floor(slope=2.0)
     with pytest.raises(ShapeError, match="one column per motor"):
         BasePlant(BASES["omni 4"], DRIVE).drive_open(np.zeros((5, 3)))
     with pytest.raises(OutOfLimits, match="substeps"):

@@ -206,5 +206,4 @@ def _ending_events(ended: str, driven: float, time: float) -> list[Event]:
 
 
 def _fault_text(fault: BaseFault, plant: BasePlant) -> str:
-    name = plant.base.driven[plant.wheel_index(fault.wheel)]
-    return f"the motor of {name} {'dies' if fault.kind == 'dead' else 'jams'}"
+    return fault.text(plant.base.driven)

@@ -22,6 +22,7 @@ from holonom.machine.base.records import CONTROL_STATE, KNOWN_WHEEL, SEEN_WHEEL
 from holonom.machine.base.settings import KEEP, BaseSettings, Creep, slip_settings
 from holonom.machine.base.steering_kernels import SteeredParams, look_at_wheels
 from holonom.machine.base.wheel_kernels import share_force
+from holonom.mobile.base.drivable import moves_sideways
 from holonom.mobile.base.dynamics import inertia_over_mass
 from holonom.mobile.base.wheel import KINDS, Wheel
 from holonom.mobile.base.wheel_base import WheelBase
@@ -259,7 +260,7 @@ def _params(
         max_rim=motor.no_load_speed / abs(gear.ratio) * float(radii.min()),
         path_force=RESERVE * most,
         rate_change=RATE_CHANGE,
-        sideways=base.goes_sideways,
+        sideways=moves_sideways(base),
         detect=slip is not None,
         control_traction=settings.traction is not None,
         compensate=settings.watch is not None,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from holonom.arrays import Array, finite_array, real_array, whole_number
 from holonom.devices.drive_signals import WheelSignals
@@ -27,6 +27,7 @@ from holonom.trace.code.simd import WIDTH
 __all__ = ["FAULTS", "TICK", "BaseFault", "BasePlant", "simulated_lanes"]
 
 
+Records = NDArray[np.void]
 TICK = 1e-3
 """Time (s) that one step of the plant takes; sensors are read after each."""
 FAULTS = {"dead": DEAD, "blocked": BLOCKED, "stuck": STUCK}
@@ -46,6 +47,16 @@ class BaseFault:
             raise UnknownName("fault", self.kind, FAULTS)
         if not 0.0 <= self.time < math.inf:
             raise OutOfLimits(f"BaseFault: time is {self.time!r} s; it must be finite and at least 0")
+
+    def text(self, driven: Sequence[str]) -> str:
+        """What breaks, in words; `driven` are the names of the base's driven wheels."""
+        name = self.wheel if isinstance(self.wheel, str) else driven[self.wheel]
+        does = {
+            "dead": "the motor of {} dies",
+            "blocked": "the motor of {} jams",
+            "stuck": "the steering of {} is stuck",
+        }
+        return does[self.kind].format(name)
 
 
 class BasePlant:
@@ -93,42 +104,20 @@ class BasePlant:
         substeps: int | None = None,
         ideal: bool = False,
     ) -> None:
-        quick = all(wheel.kind in ("swedish", "fixed", "spherical") for wheel in base.wheels)
+        quick = all(wheel.kind in ("swedish", "fixed", "spherical", "ball") for wheel in base.wheels)
         substeps = whole_number("BasePlant: substeps", (2 if quick else 4) if substeps is None else substeps, least=1)
         self.base, self.drive, self.rng = base, drive, rng
         self.mass = base_mass(base)
-        self.lanes = simulated_lanes(base)
+        self.lanes, self.radii = simulated_lanes(base), base.wheel_radii
+        self.rows = base.rest_coupling * [1.0, 1.0, base.radius]
+        """(m, 3) rim speeds (m/s) of the driven wheels per (vx, vy, w), steered ones at rest."""
         self.support, contacts = load_shares(base), supports(base)
-        dt = TICK / substeps
-        reach = max(float(np.hypot(*contacts.T).max()), 1e-3)
-        usual = float(base.wheel_radii.mean())
-        rows = [
-            wheel_row(lane, contacts[lane.support], self.support[lane.support], drive, dt, reach, usual)
-            for lane in self.lanes
-        ]
         broken = sorted((round(f.time / TICK), self._broken_lane(f), FAULTS[f.kind]) for f in faults)
         bearing = 1 + max(lane.support for lane in self.lanes)
         turns = any(lane.wheel.kind in ("steered", "castor") for lane in self.lanes)
-        down = -GRAVITY * math.sin(floor.slope)
-        inertia = base.alpha * self.mass * base.radius**2
         self.params = BasePlantParams(
-            aligned_records(
-                [
-                    (
-                        self.mass,
-                        inertia,
-                        base.com_height,
-                        dt,
-                        substeps,
-                        *base.com.tolist(),
-                        down * math.cos(floor.uphill),
-                        down * math.sin(floor.uphill),
-                        GRAVITY * math.cos(floor.slope),
-                    )
-                ],
-                BODY,
-            ),
-            side_by_side(np.array(rows, WHEEL), share=0.0, share_x=0.0, share_y=0.0),
+            self._body(floor, substeps),
+            side_by_side(self._wheels(contacts, TICK / substeps), share=0.0, share_x=0.0, share_y=0.0),
             Supports(
                 self.support[bearing:], np.ascontiguousarray(contacts), np.zeros(len(contacts)), contacts.mean(axis=0)
             ),
@@ -149,6 +138,23 @@ class BasePlant:
         self.signals = WheelSignals(np.zeros(lanes, np.int64), np.zeros(lanes), np.zeros(3), *zeros)
         """What its sensors read last, and the voltages that it is driven with."""
         self._place((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), np.zeros(3 + WIDTH * len(self.states)))
+
+    def _body(self, floor: Floor, substeps: int) -> Records:
+        """The body as a record, on a floor that may be a slope."""
+        base, down = self.base, -GRAVITY * math.sin(floor.slope)
+        inertia = base.alpha * self.mass * base.radius**2
+        along = (down * math.cos(floor.uphill), down * math.sin(floor.uphill))
+        row = (self.mass, inertia, base.com_height, TICK / substeps, substeps, *base.com.tolist(), *along)
+        return aligned_records([(*row, GRAVITY * math.cos(floor.slope))], BODY)
+
+    def _wheels(self, contacts: Array, dt: float) -> Records:
+        """The lanes as records, one by one."""
+        reach, usual = max(float(np.hypot(*contacts.T).max()), 1e-3), float(self.radii.mean())
+        rows = [
+            wheel_row(lane, contacts[lane.support], self.support[lane.support], self.drive, dt, reach, usual)
+            for lane in self.lanes
+        ]
+        return np.array(rows, WHEEL)
 
     @property
     def time(self) -> float:

@@ -134,7 +134,18 @@ BODY_SAMPLE = np.dtype(
 WHEEL_SAMPLE = np.dtype(
     [
         (name, F, (WIDTH,))
-        for name in ("speed", "angle", "current", "voltage", "force", "cross_force", "load", "slip", "friction_limit")
+        for name in (
+            "speed",
+            "angle",
+            "current",
+            "voltage",
+            "force",
+            "cross_force",
+            "load",
+            "slip",
+            "friction_limit",
+            "turned",
+        )
     ]
 )
 """Four wheels at one millisecond."""

@@ -68,7 +68,7 @@ SIMULATED: Mapping[str, Callable[[Wheel, BaseDrive, float], dict[str, Any]]] = {
     "swedish": _swedish,
     "steered": _steered,
     "castor": _castor,
-    "spherical": _ball,
+    "ball": _ball,
 }
 """Kinds of wheels that touch the floor with friction."""
 
@@ -88,7 +88,7 @@ def lanes_of(base: WheelBase) -> list[Lane]:
         if wheel.kind not in SIMULATED:
             raise ModelError(f"wheel {wheel.name!r} is {wheel.kind}; simulated are {', '.join(SIMULATED)}")
         found.append(Lane(wheel, wheel.heading, k))
-        if wheel.kind == "spherical":
+        if wheel.kind == "ball":
             found.append(Lane(wheel, wheel.heading + 0.5 * math.pi, k))
     return found
 
