@@ -117,9 +117,8 @@ def test_the_page_is_current() -> None:
 
 def listed_names(tree: ast.AST) -> Iterator[tuple[int, frozenset[str]]]:
     """Every list, tuple, set, dict's keys, and Literal of at least two names in a module, with its line."""
-    exported = {
-        id(n.value) for n in ast.walk(tree) if isinstance(n, ast.Assign) and ast.unparse(n.targets[0]) == "__all__"
-    }
+    assigned = [node for node in ast.walk(tree) if isinstance(node, ast.Assign)]
+    exported = {id(node.value) for node in assigned if ast.unparse(node.targets[0]) == "__all__"}
     for node in ast.walk(tree):
         if id(node) in exported:  # names of functions, which a module cannot but list
             continue

@@ -255,10 +255,11 @@ def _undrivable(base: WheelBase, path: ReferencePath) -> str:
     (vx, vy, w), (x, y) = twist[k], path.pose[::EVERY][k, :2]
     where = f"at {path.time[::EVERY][k]:.2f} s, at ({x:.2f}, {y:.2f}) m,"
     if abs(vy) > ASTRAY and not moves_sideways(base):
-        return f'{where} it asks for {vy:.2g} m/s sideways, which these wheels cannot roll; heading = "tangent" looks along it'
+        sideways = f"{where} it asks for {vy:.2g} m/s sideways, which these wheels cannot roll"
+        return f'{sideways}; heading = "tangent" looks along it'
     if base.turning_radius < np.inf:
-        asked = abs(vx / w) if w else np.inf
-        return f"{where} it asks for a curve of {asked:.3g} m; the tightest that these wheels drive is {base.turning_radius:.3g} m"
+        asked, least = (abs(vx / w) if w else np.inf), base.turning_radius
+        return f"{where} it asks for a curve of {asked:.3g} m; the tightest that these wheels drive is {least:.3g} m"
     return f"{where} it asks for {np.degrees(w):.3g} deg/s; this base cannot turn"
 
 

@@ -75,8 +75,8 @@ class PathTable(Section):
     laps: Count = 1
     """times around"""
     heading: Annotated[str, OneOf(HEADINGS)] | None = None
-    """where the base looks: always the same way, along the path, or once around per lap; unless given the same way, of a
-    base that cannot move sideways along the path"""
+    """where the base looks: always the same way, along the path, or once around per lap; unless given, the same way; of
+    a base that cannot move sideways, along the path"""
     angle: Angle = 0.0
     """its heading at the start; against the path where it looks along it"""
     position_tolerance: Size | None = None
