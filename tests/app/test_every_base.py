@@ -9,6 +9,7 @@ import pytest
 
 from holonom.app.cell import load_cell
 from holonom.app.console.cli import main
+from holonom.app.recording import read_recording
 
 WHEELS = {
     "differential": 'track = "300mm"\nwheel_radius = "50mm"\ncom = ["-50mm", "0mm"]',
@@ -85,7 +86,9 @@ def test_a_steering_motor_that_is_stuck(tmp_path: Path, capsys: pytest.CaptureFi
     text = file.read_text("utf-8").replace("front left", "front").replace("circle", "figure_of_eight")
     file.write_text(text, "utf-8")
     assert main(["run", str(file), "-o", str(tmp_path / "out"), "--quiet"]) == 1
-    assert "the steering of front is stuck" in capsys.readouterr().err
+    assert "the path was not kept" in capsys.readouterr().err
+    events = read_recording(tmp_path / "out" / "recording.mcap").events
+    assert "the steering of front is stuck" in [event.text for event in events]
 
 
 def test_what_is_not_simulated_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -106,5 +109,5 @@ def test_moments_of_inertia(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     )
     base = load_cell(file).robot[0].source.base
     assert base.alpha * base.mass * base.radius**2 == pytest.approx(0.25)
-    file.write_text(plain.replace('mass = "8kg"', 'mass = "8kg"\ninertia = ["0.1kgm2", "0.1kgm2", "0.3kgm2"]'), "utf-8")
+    file.write_text(plain.replace('mass = "8kg"', stated.replace("0.2kgm2", "0.1kgm2")), "utf-8")
     assert "which no body has" in refused(file, capsys)

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from holonom.arrays import Array, finite_array, real_array
 from holonom.control import ServoAxis
 from holonom.control.base.force_kernels import Body
+from holonom.control.base.kernels import EstimateParams
 from holonom.control.base.traction import TractionSettings, WatchSettings
 from holonom.control.base.tuning import WheelLoop, tune_wheel
 from holonom.devices import tracking_params
@@ -239,7 +240,7 @@ def _params(
     return BaseParams(
         keeping=settings.keeping.params(TICK),
         shaping=settings.shaping.params(TICK),
-        estimate=settings.estimate.params(TICK),
+        estimate=_estimate_params(base, settings),
         traction=(settings.traction or TractionSettings()).params(TICK),
         watch=(settings.watch or WatchSettings()).params(TICK),
         slip=slipping,
@@ -271,6 +272,12 @@ def _wheel_of_row(base: WheelBase) -> list[int]:
     """Which driven wheel each driven row belongs to: a ball has two."""
     driven = [wheel for wheel in base.wheels if wheel.driven]
     return [k for k, wheel in enumerate(driven) for _ in KINDS[wheel.kind].speeds(wheel)]
+
+
+def _estimate_params(base: WheelBase, settings: BaseSettings) -> EstimateParams:
+    """Wheels that skid do not tell how fast the base turns, so nothing of the gyro's zero."""
+    params = settings.estimate.params(TICK)
+    return params._replace(bias_gain=0.0) if any(wheel.kind == "skid" for wheel in base.wheels) else params
 
 
 def _steered_params(base: WheelBase, drive: BaseDrive) -> SteeredParams:
