@@ -104,9 +104,8 @@ def test_what_is_not_simulated_is_said(tmp_path: Path, capsys: pytest.CaptureFix
 def test_moments_of_inertia(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = cell(tmp_path, "differential")
     plain = file.read_text("utf-8")
-    file.write_text(
-        plain.replace('mass = "8kg"', 'mass = "8kg"\ninertia = ["0.1kgm2", "0.2kgm2", "0.25kgm2"]'), "utf-8"
-    )
+    stated = 'mass = "8kg"\ninertia = ["0.1kgm2", "0.2kgm2", "0.25kgm2"]'
+    file.write_text(plain.replace('mass = "8kg"', stated), "utf-8")
     base = load_cell(file).robot[0].source.base
     assert base.alpha * base.mass * base.radius**2 == pytest.approx(0.25)
     file.write_text(plain.replace('mass = "8kg"', stated.replace("0.2kgm2", "0.1kgm2")), "utf-8")

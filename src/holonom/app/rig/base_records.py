@@ -114,7 +114,7 @@ class BaseRecords:
             put(FramePoses(t, ("base_link", *self._frames), np.concatenate([T[i, None], T[i] @ wheels[i]])))
             put(FrameTree(t, *self._tree, np.concatenate([np.eye(4)[None], believed[i, None], seen_wheels[i]])))
 
-    def _rolled(self, log: LogBuffer, at: Array) -> tuple[Array, Array]:
+    def _rolled(self, log: LogBuffer, at: NDArray[np.int_]) -> tuple[Array, Array]:
         """How far the wheels with frames have rolled (N, n) and are steered (N, n), rad, at some milliseconds."""
         count = int(self._lanes.max(initial=-1)) + 1
         rolled, turned = (of_wheels(log.wheels, name, count)[at][:, self._lanes] for name in ("angle", "turned"))

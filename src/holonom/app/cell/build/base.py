@@ -259,6 +259,8 @@ def _undrivable(base: WheelBase, path: ReferencePath) -> str:
         return f'{sideways}; heading = "tangent" looks along it'
     if base.turning_radius < np.inf:
         asked, least = (abs(vx / w) if w else np.inf), base.turning_radius
+        if asked >= least:
+            return f"{where} it asks for a curve of {asked:.3g} m, to which its wheels cannot be steered"
         return f"{where} it asks for a curve of {asked:.3g} m; the tightest that these wheels drive is {least:.3g} m"
     return f"{where} it asks for {np.degrees(w):.3g} deg/s; this base cannot turn"
 
