@@ -3,9 +3,9 @@
 Twists are (vx, vy, w) in base_link, x forwards and y to the left; poses (x, y, theta) of base_link in the world.
 
 Wheels and bases
-    `Wheel`, `WheelBase`; arrangements by name: `differential`, `tricycle`, `ackermann`, `synchro`, `omni`, `mecanum`,
-    `swerve`, `sphere`; `mobility`, `degrees_of_freedom`,
-    `is_holonomic`, `conflicting_wheels`; `centre_of_twist`, `centre_of_axles`,
+    `Wheel`, `WheelBase`; arrangements by name: `differential`, `tricycle`, `bicycle`, `ackermann`, `dual_ackermann`,
+    `skid_steer`, `rocker6`, `segway`, `synchro`, `omni`, `mecanum`, `swerve`, `sphere`; `mobility`,
+    `degrees_of_freedom`, `is_holonomic`, `conflicting_wheels`; `centre_of_twist`, `centre_of_axles`,
     `castor_rates`.
 Standing and tipping over
     `support_polygon`, `static_margin`, `zero_moment_point`, `dynamic_margin`, `acceleration_limit`, `lateral_limit`,
@@ -28,9 +28,14 @@ from holonom.mobile import poses
 from holonom.mobile.arrangements import (
     ackermann,
     ackermann_steering,
+    bicycle,
     differential,
+    dual_ackermann,
     mecanum,
     omni,
+    rocker6,
+    segway,
+    skid_steer,
     sphere,
     swerve,
     synchro,
@@ -126,6 +131,7 @@ __all__ = [
     "base_acceleration",
     "base_force",
     "base_twist",
+    "bicycle",
     "castor_rates",
     "centre_of_axles",
     "centre_of_twist",
@@ -137,6 +143,7 @@ __all__ = [
     "detect_slip",
     "differential",
     "drive_limits",
+    "dual_ackermann",
     "dynamic_margin",
     "effective_motors",
     "feasible_twist",
@@ -153,7 +160,10 @@ __all__ = [
     "readable_patterns",
     "redistribute",
     "rim_speeds",
+    "rocker6",
+    "segway",
     "separable_wheels",
+    "skid_steer",
     "speed_envelope",
     "sphere",
     "split_pattern",

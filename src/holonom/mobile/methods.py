@@ -9,7 +9,21 @@ from functools import partial
 from typing import Any
 
 from holonom.errors import ModelError
-from holonom.mobile.arrangements import ackermann, differential, mecanum, omni, sphere, swerve, synchro, tricycle
+from holonom.mobile.arrangements import (
+    ackermann,
+    bicycle,
+    differential,
+    dual_ackermann,
+    mecanum,
+    omni,
+    rocker6,
+    segway,
+    skid_steer,
+    sphere,
+    swerve,
+    synchro,
+    tricycle,
+)
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.slip import SlipSettings
 from holonom.mobile.odometry.integrate import RULES, integrate
@@ -45,6 +59,70 @@ class Steered:
     track: float = _length("distance of left and right wheels", 0.6)
     wheel_radius: float = _wheel_radius()
     max_steering: float = parameter(math.pi / 2, meaning="largest angle of a steered wheel", unit="rad", above=0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Car(Steered):
+    """Params of `ackermann`."""
+
+    rear_track: float | None = parameter(
+        None, meaning="of the rear wheels; the front ones' unless given", unit="m", above=0.0
+    )
+    front_wheel_radius: float | None = parameter(
+        None, meaning="of the front wheels, where they have their own", unit="m", above=0.0
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Bicycle:
+    """Params of `bicycle`."""
+
+    wheelbase: float = _length("distance of the axles", 1.0)
+    wheel_radius: float = _wheel_radius()
+    max_steering: float = parameter(math.pi / 2, meaning="largest angle of the front wheel", unit="rad", above=0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class BothAxles:
+    """Params of `dual_ackermann`."""
+
+    wheelbase: float = _length("distance of the axles", 0.5)
+    track: float = _length("distance of left and right wheels", 0.4)
+    wheel_radius: float = _wheel_radius()
+    max_steering: float = parameter(math.pi / 4, meaning="largest angle of a wheel", unit="rad", above=0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class SkidSteer:
+    """Params of `skid_steer`."""
+
+    wheelbase: float = _length("distance of the first axle from the last", 0.3)
+    track: float = _length("distance of left and right wheels", 0.3)
+    wheel_radius: float = _wheel_radius()
+    axles: int = parameter(2, meaning="how many axles; tracks have many", least=2, most=16)
+    effective_track: float | None = parameter(
+        None, meaning="distance of the centres about which left and right wheels turn; 1.5 tracks unless given",
+        unit="m", above=0.0,
+    )  # fmt: skip
+    centre: float = parameter(0.0, meaning="how far ahead of the middle those centres lie", unit="m")
+
+
+@dataclass(frozen=True, slots=True)
+class Segway:
+    """Params of `segway`."""
+
+    track: float = _length("distance of the wheels", 0.4)
+    wheel_radius: float = _length("of the wheels", 0.1)
+
+
+@dataclass(frozen=True, slots=True)
+class Rocker6:
+    """Params of `rocker6`."""
+
+    wheelbase: float = _length("distance of front and rear wheels", 0.8)
+    track: float = _length("distance of left and right wheels", 0.6)
+    wheel_radius: float = _wheel_radius()
+    max_steering: float = parameter(math.pi / 3, meaning="largest angle of a corner wheel", unit="rad", above=0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +196,13 @@ ARRANGEMENTS = Table(
             "two driven wheels on one axle and a castor", Preset(differential), f"{_SIEGWART}, 3.2", Differential
         ),
         "tricycle": Method("a front wheel that steers and drives", Preset(tricycle), f"{_SIEGWART}, 3.3", Steered),
-        "ackermann": Method("a car: rear wheels driven, front ones steered", Preset(ackermann), _SIEGWART, Steered),
+        "bicycle": Method(
+            "a driven wheel and a steered one, held upright", Preset(bicycle), f"{_SIEGWART}, 3.2", Bicycle
+        ),
+        "ackermann": Method("a car: rear wheels driven, front ones steered", Preset(ackermann), _SIEGWART, Car),
+        "dual_ackermann": Method(
+            "front and rear wheels driven and steered", Preset(dual_ackermann), _SIEGWART, BothAxles
+        ),
         "synchro": Method("wheels steered together: never turns", Preset(synchro), f"{_SIEGWART}, 3.3", Synchro),
         "omni": Method(
             "omni wheels on a circle",
@@ -128,7 +212,20 @@ ARRANGEMENTS = Table(
         ),
         "mecanum": Method("four wheels with rollers at 45 deg", Preset(mecanum), "Ilon, US patent 3876255", Mecanum),
         "swerve": Method("wheels that steer and drive one by one", Preset(swerve), f"{_SIEGWART}, 3.3", Swerve),
-        "sphere": Method("one ball that three drives turn", Preset(sphere), f"{_SIEGWART}, 3.2", Sphere),
+        "skid_steer": Method(
+            "fixed wheels on several axles, or tracks: they slip in turning",
+            Preset(skid_steer),
+            "Mandow et al., Experimental kinematics for wheeled skid-steer mobile robots (IROS 2007)",
+            SkidSteer,
+        ),
+        "sphere": Method("a ball driven about two axes", Preset(sphere), f"{_SIEGWART}, 3.2", Sphere),
+        "segway": Method(
+            "two wheels that balance their body",
+            Preset(segway),
+            "Grasser et al., JOE: a mobile, inverted pendulum (IEEE Trans. Ind. Electron. 49, 2002)",
+            Segway,
+        ),
+        "rocker6": Method("six wheels on rockers and bogies", Preset(rocker6), "Bickler, US patent 4840394", Rocker6),
     },
 )
 

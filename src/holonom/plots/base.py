@@ -178,7 +178,7 @@ def _wheel(axes: Any, wheel: Wheel, psi: float) -> None:
     color = _DRIVEN if wheel.driven else _PASSIVE
     place = np.array([wheel.x, wheel.y])
     ahead, left = np.array([math.cos(psi), math.sin(psi)]), np.array([-math.sin(psi), math.cos(psi)])
-    if wheel.kind == "spherical":
+    if wheel.kind in ("spherical", "ball"):
         axes.add_patch(
             Circle((-wheel.y, wheel.x), wheel.radius, facecolor=color, edgecolor="black", alpha=0.7, zorder=3)
         )

@@ -22,7 +22,7 @@ class Wheel:
     Parameters
     ----------
     kind
-        "fixed", "steered", "castor", "swedish" or "spherical": a name of `KINDS`.
+        "fixed", "steered", "castor", "swedish", "skid", "spherical" or "ball": a name of `KINDS`.
     l, alpha
         Distance (m) and direction (rad) of the wheel from the origin of base_link; of a castor, of its pivot.
     beta
@@ -34,8 +34,11 @@ class Wheel:
         Of a Swedish wheel, gamma: 0 for an omni wheel, +-pi/4 for a mecanum wheel; not +-pi/2.
     castor_offset
         Of a castor, d: the floor is touched at pivot + d u. It trails a base that moves along -u where d > 0.
+    acts_at
+        Of a skidding wheel, (x, y), m, where a wheel that only rolls would stand to move the base as it does: its
+        centre of rotation. None: where it stands.
     driven
-        Whether a motor turns it (for a driven sphere: three, see `KINDS`).
+        Whether a motor turns it (for a driven sphere: three, for a ball two, see `KINDS`).
     max_steering
         Of a steered wheel, how far it turns to either side of beta, rad, at most pi/2; None: all around.
     name
@@ -56,6 +59,7 @@ class Wheel:
     radius: float
     roller_angle: float = 0.0
     castor_offset: float = 0.0
+    acts_at: tuple[float, float] | None = None
     driven: bool = False
     max_steering: float | None = None
     name: str = ""
@@ -89,6 +93,9 @@ class Wheel:
         _only(called, self.kind, "swedish", "roller_angle", self.roller_angle != 0.0)
         _only(called, self.kind, "castor", "castor_offset", self.castor_offset != 0.0)
         _only(called, self.kind, "steered", "max_steering", self.max_steering is not None)
+        _only(called, self.kind, "skid", "acts_at", self.acts_at is not None)
+        for field, value in zip(("x", "y"), self.acts_at or (), strict=False):
+            _finite(called, f"acts_at ({field})", value)
         limit = self.max_steering
         if limit is not None and not (is_finite(limit) and 0.0 < limit <= math.pi / 2 + 1e-12):
             raise ModelError(f"{called} has max_steering {shown(limit)}; allowed is 0 to pi/2 rad, or None")
@@ -96,7 +103,8 @@ class Wheel:
     @classmethod
     def at(
         cls, kind: str, x: float, y: float, heading: float = 0.0, *, radius: float, roller_angle: float = 0.0,
-        castor_offset: float = 0.0, driven: bool = False, max_steering: float | None = None, name: str = "",
+        castor_offset: float = 0.0, acts_at: tuple[float, float] | None = None, driven: bool = False,
+        max_steering: float | None = None, name: str = "",
     ) -> Wheel:  # fmt: skip
         """Return a wheel at (x, y), m, that rolls along `heading`, rad from x, counter-clockwise (psi).
 
@@ -108,7 +116,7 @@ class Wheel:
         l, alpha = math.hypot(x, y), math.atan2(y, x)
         return cls(
             kind=kind, l=l, alpha=alpha, beta=heading + math.pi / 2 - alpha, radius=radius, roller_angle=roller_angle,
-            castor_offset=castor_offset, driven=driven, max_steering=max_steering, name=name,
+            castor_offset=castor_offset, acts_at=acts_at, driven=driven, max_steering=max_steering, name=name,
         )  # fmt: skip
 
     @property
@@ -120,6 +128,11 @@ class Wheel:
     def y(self) -> float:
         """Place to the left of the origin of base_link, m."""
         return self.l * unit(self.alpha)[0]
+
+    @property
+    def acting(self) -> tuple[float, float]:
+        """Where its rows are taken, m: where it stands, but of a skidding wheel its centre of rotation."""
+        return self.acts_at or (self.x, self.y)
 
     @property
     def axle(self) -> float:
@@ -154,11 +167,11 @@ def _only(called: str, kind: str, allowed: str, field: str, stated: bool) -> Non
 
 
 def _roll(wheel: Wheel, s: Number, c: Number) -> list[Row]:
-    return [rolling_row(wheel.x, wheel.y, s, c)]
+    return [rolling_row(*wheel.acting, s, c)]
 
 
 def _slide(wheel: Wheel, s: Number, c: Number) -> list[Row]:
-    return [sliding_row(wheel.x, wheel.y, s, c)]
+    return [sliding_row(*wheel.acting, s, c)]
 
 
 def _none(wheel: Wheel, s: Number, c: Number) -> list[Row]:
@@ -171,7 +184,17 @@ def _swedish(wheel: Wheel, s: Number, c: Number) -> list[Row]:
 
 def _sphere(wheel: Wheel, s: Number, c: Number) -> list[Row]:
     """A driven ball rolls along its heading, along its axle, and is spun about the vertical."""
-    return [*_roll(wheel, s, c), *_slide(wheel, s, c), spin_row(wheel.radius)] if wheel.driven else []
+    return [*_ball(wheel, s, c), spin_row(wheel.radius)] if wheel.driven else []
+
+
+def _ball(wheel: Wheel, s: Number, c: Number) -> list[Row]:
+    """A ball that bears a body alone rolls along its heading and along its axle."""
+    return [*_roll(wheel, s, c), *_slide(wheel, s, c)]
+
+
+def _no_spin(wheel: Wheel, s: Number, c: Number) -> list[Row]:
+    """The floor holds it against turning about the vertical."""
+    return [spin_row(wheel.radius)]
 
 
 KINDS: Mapping[str, Kind] = {
@@ -179,6 +202,8 @@ KINDS: Mapping[str, Kind] = {
     "steered": Kind(_roll, _slide, lambda wheel: ("",)),
     "castor": Kind(_none, _none, lambda wheel: ()),
     "swedish": Kind(_swedish, _none, lambda wheel: ("",)),
+    "skid": Kind(_roll, _slide, lambda wheel: ("",)),
     "spherical": Kind(_sphere, _none, lambda wheel: (" along", " across", " spin") if wheel.driven else ()),
+    "ball": Kind(_ball, _no_spin, lambda wheel: (" along", " across")),
 }
 """A kind of wheel is its rows and one line here. A castor and a passive sphere follow any twist."""

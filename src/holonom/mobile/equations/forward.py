@@ -97,7 +97,7 @@ def _constant_share(layout: Layout) -> list[Row]:
 
 def _projector(layout: Layout) -> list[Row]:
     """P (3, 3): twists, w scaled, to the nearest that drag no fixed wheel. Constant."""
-    rows = [row for w in layout.wheels if w.kind == "fixed" for row in _sliding(layout, w, unit(w.axle))]
+    rows = [row for w in layout.wheels if w.kind != "steered" for row in _sliding(layout, w, unit(w.axle))]
     P = np.eye(3)
     if rows:
         _, s, Vt = np.linalg.svd(np.array(rows, dtype=float))
