@@ -62,7 +62,8 @@ class Curves:
         if not (is_finite(spacing) and spacing > 0.0):
             raise OutOfLimits(f"spacing is {shown(spacing)} m; a number above zero is needed")
         at = self.start[row] * [1.0 / self.radius, 1.0 / self.radius, 1.0]
-        found, ways = [], []
+        found: list[Array] = []
+        ways: list[Array] = []
         for letter, length in zip(self.words[row], self.lengths[row], strict=False):
             if length == 0.0:
                 continue

@@ -15,6 +15,7 @@ from holonom.mobile.curves.curve import Curves, chosen, in_radii
 __all__ = ["DUBINS_WORDS", "dubins"]
 
 DUBINS_WORDS = ("LSL", "RSR", "LSR", "RSL", "RLR", "LRL")
+"""Left, straight, right: what the three pieces of a curve do."""
 ROUNDING = 1e-7
 """Length in radii, or angle, that is none: roots of differences know no better."""
 

@@ -174,3 +174,4 @@ def _all_words() -> tuple[str, ...]:
 
 
 REEDS_SHEPP_WORDS = _all_words()
+"""What the pieces of a curve do; those of three arcs stand for two signs each."""
