@@ -18,12 +18,12 @@ from holonom.control.base.kernels import (
     Planar,
     estimate_step,
     keeping_step,
-    line_keeping_step,
     pose_step,
     reference_at,
     wanted_acceleration,
 )
 from holonom.control.base.shaping_kernels import drivable_twist, shaping_step
+from holonom.control.path_laws.kanayama import line_keeping_step
 from holonom.devices.drive_signals import WheelSignals
 from holonom.machine.base.params import BaseParams, BaseTask, Work
 from holonom.machine.base.steering_kernels import SteeredParams, bend, look_at_wheels, share_along, steer
