@@ -74,8 +74,8 @@ class _Effect(NamedTuple):
 def derived_parameters(base: WheelBase, set_name: str = "physical") -> DerivedParameters:
     """Return what can be calibrated of a base, by the kinds of its wheels.
 
-    Radii of driven wheels; of fixed wheels on an axle their `track`; of skidding ones `effective_track` and `centre`; of
-    Swedish ones their common `lever`; of steered ones `zero_<group>`, `steering_gear`, and `wheelbase` where fixed wheels
+    Radii of driven wheels; of fixed wheels on an axle their `track`; of skidding ones `effective_track` and `centre`;
+    of Swedish ones their `lever`; of steered ones `zero_<group>`, `steering_gear`, and `wheelbase` where fixed wheels
     stand behind them, else `lever`. The extended set adds the pose of the truth's frame on the base (`frame_ahead`,
     `frame_left`, `frame_yaw`), rollers' angles, and every wheel's own direction and place.
 
@@ -209,7 +209,7 @@ def _increments(base: WheelBase, effects: list[_Effect], run: Run, p: Array) -> 
 def _moved(base: WheelBase, g: _Geometry, turns: Array, steering: Array) -> Array:
     """Increments (P, N, 3) of P geometries: the model of `WheelBase.twist`, sliding rows by a heavy weight.
 
-    Where steered wheels that no motor turns only lead, the motion that fits best is made as long as the driven rims say.
+    Where steered wheels that no motor turns only lead, the best motion is made as long as the driven rims say.
     """
     axle = np.broadcast_to(g.axle[:, None], (len(g.axle), len(turns) if len(base.steered) else 1, len(base.wheels)))
     axle = axle.copy()
