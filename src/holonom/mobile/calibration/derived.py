@@ -256,7 +256,7 @@ def _told(base: WheelBase, effects: list[_Effect]) -> list[_Effect]:
     twists = base.feasible(twists)
     steering = base.steering(twists)
     turns = base.wheel_speeds(twists, steering, tolerance=np.inf)
-    run = Run("random", np.arange(SAMPLES) + 0.0, turns, np.empty((0, 3)), steering)
+    run = Run("random", np.arange(SAMPLES, dtype=np.float64), turns, np.empty((0, 3)), steering)
     nominal = np.array([e.nominal for e in effects])
     slopes = _increments(base, effects, run, nominal)[1] * np.array([e.scale for e in effects])
     columns = (slopes * np.array([1.0, 1.0, base.radius])[:, None]).reshape(-1, len(effects))
