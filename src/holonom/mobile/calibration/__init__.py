@@ -7,6 +7,7 @@
 `held_out_errors`       what such a calibration is worth on a run it has not seen
 `DRIVES`, `SETS`        what can be calibrated: drives with their parameters, sets of these
 `drive_parameters`      a set and the motion matrix it makes, as `DriveParameters`
+`derived_parameters`    what any `WheelBase` may have wrong, and its increments with slopes: `DerivedParameters`
 `article`               a drive with its article, for messages
 `wheels_of`             wheels and steered wheels of a drive, in the order of the columns
 `dead_reckoning`        poses of a run by odometry
@@ -18,6 +19,7 @@
 """
 
 from holonom.mobile.calibration.clocks import Clock, clear_clock, clock_of, on_the_clock_of_the_wheels, truth_frame
+from holonom.mobile.calibration.derived import DerivedParameters, derived_parameters
 from holonom.mobile.calibration.least_squares import Calibration, calibrate, held_out_errors
 from holonom.mobile.calibration.parameters import (
     DRIVES,
@@ -36,6 +38,7 @@ __all__ = [
     "SETS",
     "Calibration",
     "Clock",
+    "DerivedParameters",
     "DriveParameters",
     "PathErrors",
     "Run",
@@ -45,6 +48,7 @@ __all__ = [
     "clear_clock",
     "clock_of",
     "dead_reckoning",
+    "derived_parameters",
     "drive_parameters",
     "held_out_errors",
     "on_the_clock_of_the_wheels",
