@@ -93,7 +93,7 @@ def derived_parameters(base: WheelBase, set_name: str = "physical") -> DerivedPa
     """
     if set_name not in SETS:
         raise UnknownName("set of parameters", set_name, SETS)
-    if any(w.kind == "spherical" and w.driven for w in base.wheels):
+    if any(w.kind in ("spherical", "ball") and w.driven for w in base.wheels):
         raise CalibrationError(
             f"base {base.name!r} drives a ball; bases on fixed, steered, Swedish or skidding wheels are calibrated"
         )
