@@ -23,8 +23,11 @@ WHEELS = {
     "swerve": 'wheelbase = "400mm"\ntrack = "300mm"\nwheel_radius = "50mm"',
     "skid_steer": 'wheelbase = "200mm"\ntrack = "400mm"\nwheel_radius = "50mm"\neffective_track = "420mm"',
     "sphere": 'wheel_radius = "100mm"',
+    "segway": 'track = "400mm"\nwheel_radius = "100mm"',
     "rocker6": 'wheelbase = "800mm"\ntrack = "600mm"\nwheel_radius = "60mm"',
 }
+DRIVEN = [arrangement for arrangement in WHEELS if arrangement != "segway"]
+STEERED = ["tricycle", "bicycle", "ackermann", "dual_ackermann", "synchro", "swerve", "rocker6"]
 
 
 def cell(folder: Path, arrangement: str, path: str = "", more: str = "") -> Path:
@@ -39,7 +42,7 @@ def cell(folder: Path, arrangement: str, path: str = "", more: str = "") -> Path
     return file
 
 
-@pytest.mark.parametrize("arrangement", WHEELS)
+@pytest.mark.parametrize("arrangement", DRIVEN)
 def test_it_keeps_its_path(arrangement: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     assert main(["run", str(cell(tmp_path, arrangement)), "-o", str(out), "--quiet"]) == 0, capsys.readouterr().err
@@ -92,13 +95,27 @@ def test_a_steering_motor_that_is_stuck(tmp_path: Path, capsys: pytest.CaptureFi
 
 
 def test_what_is_not_simulated_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    WHEELS["segway"] = 'track = "400mm"\nwheel_radius = "100mm"'
-    try:
-        file = cell(tmp_path, "segway")
-    finally:
-        del WHEELS["segway"]
+    file = cell(tmp_path, "segway")
     assert main(["run", str(file), "-o", str(tmp_path / "out"), "--quiet"]) == 2
     assert "an inverted pendulum is not simulated yet" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("arrangement", STEERED)
+def test_ideal_wheels_and_velocities(arrangement: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Wheels that turn as they are told; velocities that ask for wheels to be turned over: what is driven waits."""
+    file = cell(tmp_path, arrangement, more='[limits]\nspeed = "1m/s"\n')
+    path = file.read_text("utf-8")
+    file.write_text(path.replace('mass = "8kg"', 'mass = "8kg"\ndrives = "ideal"'), "utf-8")
+    assert main(["run", str(file), "-o", str(tmp_path / "ideal"), "--quiet"]) == 0, capsys.readouterr().err
+    steps = '{ at = "0s", vx = "0.5m/s", w = "20deg/s" }, { at = "2s", vx = "-0.4m/s", vy = "0.2m/s" }, { at = "4s" }'
+    asked = path[: path.index("[path]")] + f"velocity = [{steps}]\n"
+    file.write_text(asked, "utf-8")
+    assert main(["run", str(file), "-o", str(tmp_path / "out"), "--quiet"]) == 0, capsys.readouterr().err
+
+
+def test_steering_motors_of_a_base_that_does_not_steer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = cell(tmp_path, "differential", more='[steering]\nlag = "30ms"\n')
+    assert "no wheel of this base is steered" in refused(file, capsys)
 
 
 def test_moments_of_inertia(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

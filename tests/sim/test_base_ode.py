@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
 from holonom.devices import DcMotor, Encoder, Gear, SteeringMotor
-from holonom.mobile import BaseDrive, WheelBase, ackermann, differential, skid_steer, swerve, tricycle
+from holonom.mobile import BaseDrive, WheelBase, ackermann, bicycle, differential, skid_steer, swerve, tricycle
 from holonom.sim import BasePlant, Floor
 
 R, L, K, RATIO, SPIN, SUPPLY = 1.2, 0.56e-3, 0.0255, 12.0, 1e-4, 14.8
@@ -115,6 +115,7 @@ CASES = {
     "castor turned over": (differential(0.3, 0.05, mass=MASS, com=(-0.06, 0.0)), [-4.0, -5.0, 0.0], [0.0] * 3),
     "car": (ackermann(0.4, 0.3, 0.05, mass=MASS, com=(0.17, 0.0)), [0.0, 0.0, 5.0, 5.5], [0.35, 0.28, 0.0, 0.0]),
     "tricycle": (tricycle(0.4, 0.3, 0.05, mass=MASS, com=(0.13, 0.0)), [6.0, 0.0, 0.0], [-0.4, 0.0, 0.0]),
+    "bicycle": (bicycle(0.5, 0.06, mass=MASS, com=(0.2, 0.0)), [0.0, 8.0], [0.5, 0.0]),
     "swerve": (
         swerve(wheelbase=0.4, track=0.3, wheel_radius=0.05, mass=MASS),
         [5.0, 6.0, 5.0, 6.0],
@@ -173,6 +174,17 @@ def test_a_steered_base_that_stands_does_not_move_while_its_wheels_turn() -> Non
         plant.drive_open(np.zeros((1000, 4)))
         assert plant.states["turned"].ravel() == pytest.approx(plant.signals.steering, abs=1e-3)
     assert np.abs(plant.pose).max() < 1e-4
+
+
+def test_what_fills_up_a_four_of_wheels_does_nothing() -> None:
+    base = bicycle(0.5, 0.06, mass=MASS, com=(0.2, 0.0))
+    plant = BasePlant(base, DRIVE, Floor())
+    plant.place([0.0, 0.0, 0.0], [0.5, 0.0, 0.4])
+    plant.drive_open(np.full((100, 1), 5.0))
+    spare = slice(len(plant.lanes), None)
+    for name in ("swing", "turned", "moment", "load"):
+        assert not plant.states[name].ravel()[spare].any()
+        assert plant.states[name].ravel()[1] != 0.0
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -114,7 +114,7 @@ def simulate_base(
     faults: Sequence[BaseFault] = (),
     settings: BaseSettings = BaseSettings(),
     rng: np.random.Generator,
-    substeps: int = 2,
+    substeps: int | None = None,
 ) -> BaseLog:
     """Drive a base along a path; it starts where the path does.
 
@@ -137,7 +137,7 @@ def simulate_base(
     rng
         Source of all noise: the same one gives the same bits.
     substeps
-        Steps of the plant per millisecond.
+        Steps of the plant per millisecond, as `BasePlant` takes them.
 
     Raises
     ------

@@ -26,7 +26,7 @@ from holonom.control.base.shaping_kernels import drivable_twist, shaping_step
 from holonom.control.path_laws.kanayama import line_keeping_step
 from holonom.devices.drive_signals import WheelSignals
 from holonom.machine.base.params import BaseParams, BaseTask, Work
-from holonom.machine.base.steering_kernels import SteeredParams, bend, look_at_wheels, share_along, steer
+from holonom.machine.base.steering_kernels import SteeredParams, bend, look_at_wheels, readiness, share_along, steer
 from holonom.machine.base.wheel_kernels import (
     control_traction,
     creep,
@@ -88,9 +88,9 @@ def control_step(
     _react(params, task.path, base, wheels, states, work)
     change = max(min((base.goal - base.rate) / params.keeping.dt, params.rate_change), -params.rate_change)
     twist = _estimate(params.estimate, work.estimate_rows, base, work)
-    _refer(params, task.path, base, change, work.rows, work.now)
+    _refer(params, task.path, base, change, signals, work.rows, work.now)
     command, ahead = _keep(params, base, work.now)
-    _steer(params.steered, command, ahead, signals, work, states)
+    _steer(params.steered, params.drivable, base, command, ahead, signals, work, states)
     if base.lame != 0 and params.keep != KEEP_BOTH:
         command = _given_up(params, base, command, twist)
     wanted = wanted_acceleration(params.keeping, command, twist, ahead)
@@ -177,12 +177,14 @@ def _react(params: BaseParams, path: Array, base: Any, wheels: Records, states: 
 
 
 @loop(error_model="numpy", forceinline=True)
-def _refer(params: BaseParams, path: Array, base: Any, change: float, rows: Array, now: Array) -> None:
+def _refer(
+    params: BaseParams, path: Array, base: Any, change: float, signals: WheelSignals, rows: Array, now: Array
+) -> None:
     """Reference of this sample: on the path, the twist that was asked for within limits, or the pose that is held."""
     if base.mode == PATH:
         reference_at(path, base.phase, base.rate, change, now)
     elif base.mode == VELOCITY:
-        _shape(params, base, rows, now)
+        _shape(params, base, signals, rows, now)
     else:
         now[:] = 0.0
         now[0], now[1], now[2] = base.hold_x, base.hold_y, base.hold_theta
@@ -191,21 +193,25 @@ def _refer(params: BaseParams, path: Array, base: Any, change: float, rows: Arra
 
 
 @loop(error_model="numpy", forceinline=True)
-def _shape(params: BaseParams, base: Any, rows: Array, now: Array) -> None:
+def _shape(params: BaseParams, base: Any, signals: WheelSignals, rows: Array, now: Array) -> None:
     """Nearest drivable twist to the one asked for, zero once that is too old, within speed, acceleration and jerk."""
     shaping = params.shaping
     base.age += 1
-    part = base.rate if base.age * shaping.dt <= shaping.timeout else 0.0
-    wanted = Planar(part * base.wanted_vx, part * base.wanted_vy, part * base.wanted_w)
+    heard = base.rate if base.age * shaping.dt <= shaping.timeout else 0.0
+    wanted = Planar(heard * base.wanted_vx, heard * base.wanted_vy, heard * base.wanted_w)
     goal = drivable_twist(params.drivable, rows, wanted, params.max_rim)
     base.shaped_vx, base.shaped_ax = shaping_step(shaping.dt, shaping.forwards, base.shaped_vx, base.shaped_ax, goal.x)
     base.shaped_vy, base.shaped_ay = shaping_step(shaping.dt, shaping.sideways, base.shaped_vy, base.shaped_ay, goal.y)
     base.shaped_w, base.shaped_aw = shaping_step(shaping.dt, shaping.turning, base.shaped_w, base.shaped_aw, goal.turn)
     now[0], now[1], now[2] = base.seen_x, base.seen_y, base.seen_theta  # no place to keep
-    now[3], now[4], now[5] = base.shaped_vx, base.shaped_vy, base.shaped_w
+    asked = _allowed(params.steered, params.drivable, Planar(base.shaped_vx, base.shaped_vy, base.shaped_w))
+    part = _ready(params.steered, asked, signals)
+    now[3], now[4], now[5] = part * asked.x, part * asked.y, part * asked.turn
     w = base.shaped_w  # the centre's acceleration in turning axes
     now[6], now[7] = base.shaped_ax - w * base.shaped_vy, base.shaped_ay + w * base.shaped_vx
     now[8] = base.shaped_aw
+    for j in range(6, 9):
+        now[j] *= part
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -226,7 +232,7 @@ def _keep(params: BaseParams, base: Any, reference: Array) -> tuple[Planar, Plan
     pose = Planar(base.seen_x, base.seen_y, base.seen_theta)
     integral = Planar(base.integral_x, base.integral_y, base.integral_theta)
     before = Planar(base.command_vx, base.command_vy, base.command_w)
-    if params.sideways:
+    if params.sideways or base.mode == VELOCITY:  # whose place is not kept
         command, ahead, grown = keeping_step(params.keeping, reference, pose, base.seen_w, integral, before)
     else:
         command, ahead, grown = line_keeping_step(params.keeping, reference, pose, before)
@@ -254,13 +260,32 @@ def _look(steered: SteeredParams | None, signals: WheelSignals, work: Work, whee
 
 
 @loop(error_model="numpy", forceinline=True)
-def _steer(
-    steered: SteeredParams | None, command: Planar, ahead: Planar, signals: WheelSignals, work: Work, states: Records
-) -> None:
-    """Steer for the twist that is to be, once the motors have followed; share force along it."""
+def _ready(steered: SteeredParams | None, twist: Planar, signals: WheelSignals) -> float:
+    """Part of a twist that may be driven while its wheels are still being steered to it."""
     if steered is not None:
-        t = steered.ahead
-        soon = Planar(command.x + t * ahead.x, command.y + t * ahead.y, command.turn + t * ahead.turn)
+        return readiness(steered, twist, signals)
+    return 1.0
+
+
+@loop(error_model="numpy", forceinline=True)
+def _steer(
+    steered: SteeredParams | None, drivable: Array, base: Any, command: Planar, ahead: Planar, signals: WheelSignals,
+    work: Work, states: Records,
+) -> None:  # fmt: skip
+    """Steer for the twist that is to be, once the motors have followed; share force along it.
+
+    What a twist along axes that turn changes by is the centre's acceleration less `w x v`. Velocities are steered for
+    as they are asked for: what is driven of them waits for the wheels.
+    """
+    if steered is not None:
+        t, w = steered.ahead, command.turn
+        x = command.x + t * (ahead.x + w * command.y)
+        y = command.y + t * (ahead.y - w * command.x)
+        turn = w + t * ahead.turn
+        if base.mode == VELOCITY:
+            x, y = base.shaped_vx + t * base.shaped_ax, base.shaped_vy + t * base.shaped_ay
+            turn = base.shaped_w + t * base.shaped_aw
+        soon = _allowed(steered, drivable, Planar(x, y, turn))
         steer(steered, soon, signals)
         share_along(work.rows, work.weights, soon, states)
 

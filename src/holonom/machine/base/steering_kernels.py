@@ -15,7 +15,7 @@ from holonom.trace.code.compiled import sincos
 from holonom.trace.code.loops import loop
 from holonom.trace.code.simd import WIDTH
 
-__all__ = ["SteeredParams", "bend", "look_at_wheels", "share_along", "steer"]
+__all__ = ["SteeredParams", "bend", "look_at_wheels", "readiness", "share_along", "steer"]
 
 STILL = 1e-3  # m/s of a contact, below which a wheel is not steered
 Integers = NDArray[np.int64]
@@ -67,6 +67,24 @@ def bend(params: SteeredParams, command: Planar) -> Planar:
     """The command on the tightest curve where it asks for a tighter one."""
     most = params.curvature * math.sqrt(command.x * command.x + command.y * command.y)
     return Planar(command.x, command.y, min(max(command.turn, -most), most))
+
+
+@loop(error_model="numpy")
+def readiness(params: SteeredParams, twist: Planar, signals: WheelSignals) -> float:
+    """Part (0 to 1) of a twist that is driven while wheels still turn: the fourth power of the worst cosine.
+
+    A wheel that cannot be steered to the twist holds it back for good.
+    """
+    least = 1.0
+    for i in range(len(params.lanes)):
+        lane = params.lanes[i]
+        vx, vy = twist.x - twist.turn * params.places[i, 1], twist.y + twist.turn * params.places[i, 0]
+        square = vx * vx + vy * vy
+        if lane >= 0 and square >= STILL * STILL:
+            s, c = sincos(params.places[i, 2] + signals.turned[lane])
+            along = c * vx + s * vy
+            least = min(least, along * along / square)
+    return least * least
 
 
 @loop(error_model="numpy")

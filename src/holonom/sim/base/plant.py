@@ -28,6 +28,8 @@ __all__ = ["FAULTS", "TICK", "BaseFault", "BasePlant", "simulated_lanes"]
 
 
 Records = NDArray[np.void]
+NOTHING = ("share", "share_x", "share_y", "turns", "servo", "lever", "pivot_drag", "reach")
+"""What is 0 of the lanes that only fill up a four."""
 TICK = 1e-3
 """Time (s) that one step of the plant takes; sensors are read after each."""
 FAULTS = {"dead": DEAD, "blocked": BLOCKED, "stuck": STUCK}
@@ -117,7 +119,7 @@ class BasePlant:
         turns = any(lane.wheel.kind in ("steered", "castor") for lane in self.lanes)
         self.params = BasePlantParams(
             self._body(floor, substeps),
-            side_by_side(self._wheels(contacts, TICK / substeps), share=0.0, share_x=0.0, share_y=0.0),
+            side_by_side(self._wheels(contacts, TICK / substeps), **dict.fromkeys(NOTHING, 0.0)),
             Supports(
                 self.support[bearing:], np.ascontiguousarray(contacts), np.zeros(len(contacts)), contacts.mean(axis=0)
             ),
@@ -329,8 +331,11 @@ def simulated_lanes(base: WheelBase) -> list[Lane]:
     Raises
     ------
     ModelError
-        A kind of wheel that is not; a body that balances.
+        A kind of wheel that is not, or steered wheels beside such with rollers; a body that balances.
     """
     if base.balances:
         raise ModelError(f"base {base.name!r} balances its body; an inverted pendulum is not simulated yet")
+    rolling = [wheel.name for wheel in base.wheels if wheel.kind in ("swedish", "ball")]
+    if base.steered and rolling:
+        raise ModelError(f"base {base.name!r} has steered wheels beside {rolling[0]!r}, which is not simulated yet")
     return lanes_of(base)

@@ -147,7 +147,7 @@ def _follow_steered(params: BasePlantParams, body: Any, states: Records, signals
     reach = params.wheels[0].reach[0]
     for i in range(len(signals.speeds)):
         wheel, own, lane = params.wheels[i // WIDTH], states[i // WIDTH], i % WIDTH
-        if wheel.share[lane] == 0.0 or (wheel.turns[lane] > 0.0 and wheel.servo[lane] == 0.0):
+        if wheel.reach[lane] == 0.0 or (wheel.turns[lane] > 0.0 and wheel.servo[lane] == 0.0):
             continue  # filling, and castors, which follow
         if wheel.turns[lane] > 0.0:
             limit, most = wheel.steering.limit[lane], TICK * wheel.steering.max_rate[lane] * own.free[lane]

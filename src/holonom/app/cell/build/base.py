@@ -83,18 +83,19 @@ def build_base_job(cell: Cell, number: int, path: Path, sensors: BaseSensors) ->
     key = "drives"
     try:
         drive, drives, notes = _drive(robot, base)
+        key = "steering"
+        drive, told = _with_steering(robot, base, drive)
         key = "path"
         task = _task(robot)
         key = "limits"
         settings = _settings(robot, sensors)
     except InputError as problem:
         raise CellError(f"{place_in(path, *at, key)}: {problem}") from None
+    notes += told
     if task.path is not None:
         notes += _check_path(robot, task, path, at)
     _check_stand(base, path, at)
     start = _start(robot, task.path, path, at)
-    drive, told = _with_steering(robot, base, drive)
-    notes += told
     why = unsimulated(base)
     if why is not None:
         notes += (f"it cannot be simulated yet: {why}",)
@@ -138,6 +139,8 @@ def _drive(robot: Robot, base: WheelBase) -> tuple[BaseDrive, str, tuple[str, ..
 def _with_steering(robot: Robot, base: WheelBase, drive: BaseDrive) -> tuple[BaseDrive, tuple[str, ...]]:
     """The drive with the steering motors that the cell states, else with usual ones, which is said."""
     if not base.steered:
+        if robot.steering is not None:
+            raise CellError("it came; no wheel of this base is steered; leave it out")
         return drive, ()
     if robot.steering is not None:
         return dataclasses.replace(drive, steering=SteeringMotor(**robot.steering.model_dump())), ()
