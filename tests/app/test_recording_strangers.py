@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import random
+import re
 import struct
+import time
 import zlib
 from contextlib import suppress
 from pathlib import Path

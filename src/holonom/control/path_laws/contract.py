@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from holonom.arrays import Array
 from holonom.control.base.kernels import Planar
-from holonom.registry import parameter
+from holonom.registry import check_fields, parameter
 from holonom.trace.code.compiled import sincos
 from holonom.trace.code.loops import loop
 
@@ -21,19 +22,13 @@ __all__ = [
     "Error",
     "LawSettings",
     "PathLaw",
-    "along_limit",
-    "command_limits",
     "curvature_at",
-    "curvature_limit",
     "direction_of",
     "error_of",
     "limited",
     "nearest",
     "nearness",
-    "speed_limit",
     "towards",
-    "turn_acceleration_limit",
-    "turn_rate_limit",
 ]
 
 AT, WAY, AHEAD = 0, 1, 7
@@ -61,19 +56,41 @@ class Error(NamedTuple):
     turn: float
 
 
-class LawSettings(Protocol):
-    """Settings of a law: limits that its command never exceeds, and `params` of its compiled step."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LawSettings(ABC):
+    """Settings of a law: limits that its command never exceeds, and `params` of its compiled step.
 
-    @property
-    def max_speed(self) -> float: ...  # noqa: D102
-    @property
-    def max_acceleration(self) -> float: ...  # noqa: D102
-    @property
-    def max_turn_rate(self) -> float: ...  # noqa: D102
-    @property
-    def max_turn_acceleration(self) -> float: ...  # noqa: D102
-    @property
-    def max_curvature(self) -> float: ...  # noqa: D102
+    Raises
+    ------
+    OutOfLimits
+        A number outside its range.
+    """
+
+    max_speed: float = parameter(2.0, meaning="of the command", unit="m/s", above=0.0, most=inf)
+    max_acceleration: float = parameter(3.0, meaning="of the commanded speed", unit="m/s2", above=0.0, most=inf)
+    max_turn_rate: float = parameter(6.0, meaning="of the command", unit="rad/s", above=0.0, most=inf)
+    max_turn_acceleration: float = parameter(
+        40.0, meaning="of the commanded turning rate", unit="rad/s2", above=0.0, most=inf
+    )
+    max_curvature: float = parameter(
+        inf, meaning="of what is driven: 1 over the smallest turning radius", unit="1/m", above=0.0, most=inf
+    )
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+
+    def limits(self, dt: float) -> CommandLimits:
+        """Return the limits at a sample time, s."""
+        return CommandLimits(
+            dt=dt,
+            speed=self.max_speed,
+            acceleration=self.max_acceleration,
+            turn_rate=self.max_turn_rate,
+            turn_acceleration=self.max_turn_acceleration,
+            radius=1.0 / self.max_curvature,
+        )
+
+    @abstractmethod
     def params(self, dt: float) -> Any:
         """Params of the step at a sample time, s."""
 
@@ -95,45 +112,6 @@ class PathLaw:
 
     step: Callable[..., Planar]
     settings: LawSettings
-
-
-def speed_limit() -> Any:
-    """Field `max_speed` of a law's settings."""
-    return parameter(2.0, meaning="of the command", unit="m/s", above=0.0, most=inf)
-
-
-def along_limit() -> Any:
-    """Field `max_acceleration`."""
-    return parameter(3.0, meaning="of the commanded speed", unit="m/s2", above=0.0, most=inf)
-
-
-def turn_rate_limit() -> Any:
-    """Field `max_turn_rate`."""
-    return parameter(6.0, meaning="of the command", unit="rad/s", above=0.0, most=inf)
-
-
-def turn_acceleration_limit() -> Any:
-    """Field `max_turn_acceleration`."""
-    return parameter(40.0, meaning="of the commanded turning rate", unit="rad/s2", above=0.0, most=inf)
-
-
-def curvature_limit() -> Any:
-    """Field `max_curvature`."""
-    return parameter(
-        inf, meaning="of what is driven: 1 over the smallest turning radius", unit="1/m", above=0.0, most=inf
-    )
-
-
-def command_limits(settings: LawSettings, dt: float) -> CommandLimits:
-    """Return the limits in a law's settings at a sample time, s."""
-    return CommandLimits(
-        dt=dt,
-        speed=settings.max_speed,
-        acceleration=settings.max_acceleration,
-        turn_rate=settings.max_turn_rate,
-        turn_acceleration=settings.max_turn_acceleration,
-        radius=1.0 / settings.max_curvature,
-    )
 
 
 def nearness(distance: float, slow: float, stop: float) -> float:

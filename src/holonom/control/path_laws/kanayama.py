@@ -10,17 +10,12 @@ from holonom.arrays import Array
 from holonom.control.base.kernels import KeepingParams, Planar
 from holonom.control.path_laws.contract import (
     CommandLimits,
+    LawSettings,
     PathLaw,
-    along_limit,
-    command_limits,
-    curvature_limit,
     error_of,
     limited,
-    speed_limit,
-    turn_acceleration_limit,
-    turn_rate_limit,
 )
-from holonom.registry import Method, check_fields, parameter
+from holonom.registry import Method, parameter
 from holonom.trace.code.compiled import sincos
 from holonom.trace.code.loops import loop
 
@@ -39,8 +34,8 @@ class KanayamaParams(NamedTuple):
     max_turn_correction: float
 
 
-@dataclass(frozen=True, slots=True)
-class KanayamaSettings:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KanayamaSettings(LawSettings):
     """Kanayama's law; equations, stability and limits in `kanayama_step`.
 
     Raises
@@ -55,19 +50,11 @@ class KanayamaSettings:
     max_turn_correction: float = parameter(
         4.0, meaning="turning rate that an error may add", unit="rad/s", above=0.0, most=inf
     )
-    max_speed: float = speed_limit()
-    max_acceleration: float = along_limit()
-    max_turn_rate: float = turn_rate_limit()
-    max_turn_acceleration: float = turn_acceleration_limit()
-    max_curvature: float = curvature_limit()
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     def params(self, dt: float) -> KanayamaParams:
         """Params of `kanayama_step` at a sample time, s."""
         return KanayamaParams(
-            command_limits(self, dt),
+            self.limits(dt),
             self.position_gain,
             self.heading_gain,
             self.max_correction,

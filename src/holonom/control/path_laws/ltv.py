@@ -10,17 +10,12 @@ from holonom.arrays import Array
 from holonom.control.base.kernels import Planar
 from holonom.control.path_laws.contract import (
     CommandLimits,
+    LawSettings,
     PathLaw,
-    along_limit,
-    command_limits,
-    curvature_limit,
     error_of,
     limited,
-    speed_limit,
-    turn_acceleration_limit,
-    turn_rate_limit,
 )
-from holonom.registry import Method, check_fields, parameter
+from holonom.registry import Method, parameter
 from holonom.trace.code.compiled import sincos
 from holonom.trace.code.loops import loop
 
@@ -38,8 +33,8 @@ class LtvParams(NamedTuple):
     turn: float
 
 
-@dataclass(frozen=True, slots=True)
-class LtvSettings:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LtvSettings(LawSettings):
     """LTV law: Bryson's weights; equations, stability and limits in `ltv_step`.
 
     Raises
@@ -55,19 +50,11 @@ class LtvSettings:
     )
     effort_speed: float = parameter(0.5, meaning="correction of the speed", unit="m/s", above=0.0)
     effort_turn: float = parameter(1.5, meaning="correction of the turning rate", unit="rad/s", above=0.0)
-    max_speed: float = speed_limit()
-    max_acceleration: float = along_limit()
-    max_turn_rate: float = turn_rate_limit()
-    max_turn_acceleration: float = turn_acceleration_limit()
-    max_curvature: float = curvature_limit()
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     def params(self, dt: float) -> LtvParams:
         """Params of `ltv_step` at a sample time, s."""
         return LtvParams(
-            command_limits(self, dt),
+            self.limits(dt),
             self.effort_speed / self.error_along,
             self.effort_turn / self.error_across,
             (self.effort_turn / self.error_heading) ** 2,

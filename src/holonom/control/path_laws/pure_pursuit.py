@@ -13,20 +13,15 @@ from holonom.control.path_laws.contract import (
     AHEAD,
     REST,
     CommandLimits,
+    LawSettings,
     PathLaw,
-    along_limit,
-    command_limits,
-    curvature_limit,
     direction_of,
     error_of,
     nearest,
-    speed_limit,
     towards,
-    turn_acceleration_limit,
-    turn_rate_limit,
 )
 from holonom.errors import OutOfLimits
-from holonom.registry import Method, check_fields, parameter
+from holonom.registry import Method, parameter
 from holonom.trace.code.compiled import sincos
 from holonom.trace.code.loops import loop
 
@@ -44,8 +39,8 @@ class PurePursuitParams(NamedTuple):
     max_lateral: float
 
 
-@dataclass(frozen=True, slots=True)
-class PurePursuitSettings:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PurePursuitSettings(LawSettings):
     """Regulated pure pursuit; equations, stability and limits in `pure_pursuit_step`.
 
     Raises
@@ -61,14 +56,9 @@ class PurePursuitSettings:
     max_lateral: float = parameter(
         2.0, meaning="acceleration across, by which curves cut the speed", unit="m/s2", above=0.0, most=inf
     )
-    max_speed: float = speed_limit()
-    max_acceleration: float = along_limit()
-    max_turn_rate: float = turn_rate_limit()
-    max_turn_acceleration: float = turn_acceleration_limit()
-    max_curvature: float = curvature_limit()
 
     def __post_init__(self) -> None:
-        check_fields(self)
+        LawSettings.__post_init__(self)
         if self.min_look_ahead > self.max_look_ahead:
             raise OutOfLimits(
                 f"PurePursuitSettings: min_look_ahead is {self.min_look_ahead} m; it must be at most max_look_ahead, "
@@ -78,7 +68,7 @@ class PurePursuitSettings:
     def params(self, dt: float) -> PurePursuitParams:
         """Params of `pure_pursuit_step` at a sample time, s."""
         return PurePursuitParams(
-            command_limits(self, dt),
+            self.limits(dt),
             self.min_look_ahead,
             self.look_ahead_time,
             self.max_look_ahead,

@@ -10,17 +10,12 @@ from holonom.arrays import Array
 from holonom.control.base.kernels import Planar
 from holonom.control.path_laws.contract import (
     CommandLimits,
+    LawSettings,
     PathLaw,
-    along_limit,
-    command_limits,
-    curvature_limit,
     error_of,
     limited,
-    speed_limit,
-    turn_acceleration_limit,
-    turn_rate_limit,
 )
-from holonom.registry import Method, check_fields, parameter
+from holonom.registry import Method, parameter
 from holonom.trace.code.compiled import sincos
 from holonom.trace.code.loops import loop
 
@@ -35,8 +30,8 @@ class RamseteParams(NamedTuple):
     zeta: float
 
 
-@dataclass(frozen=True, slots=True)
-class RamseteSettings:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RamseteSettings(LawSettings):
     """Ramsete; equations, stability and limits in `ramsete_step`.
 
     Raises
@@ -47,18 +42,10 @@ class RamseteSettings:
 
     b: float = parameter(8.0, meaning="how hard errors are corrected", unit="1/m2", above=0.0)
     zeta: float = parameter(0.8, meaning="damping ratio", above=0.0, below=1.0)
-    max_speed: float = speed_limit()
-    max_acceleration: float = along_limit()
-    max_turn_rate: float = turn_rate_limit()
-    max_turn_acceleration: float = turn_acceleration_limit()
-    max_curvature: float = curvature_limit()
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     def params(self, dt: float) -> RamseteParams:
         """Params of `ramsete_step` at a sample time, s."""
-        return RamseteParams(command_limits(self, dt), self.b, self.zeta)
+        return RamseteParams(self.limits(dt), self.b, self.zeta)
 
 
 @loop(error_model="numpy")

@@ -10,20 +10,15 @@ from holonom.arrays import Array
 from holonom.control.base.kernels import Planar
 from holonom.control.path_laws.contract import (
     CommandLimits,
+    LawSettings,
     PathLaw,
-    along_limit,
-    command_limits,
     curvature_at,
-    curvature_limit,
     direction_of,
     error_of,
     nearest,
-    speed_limit,
     towards,
-    turn_acceleration_limit,
-    turn_rate_limit,
 )
-from holonom.registry import Method, check_fields, parameter
+from holonom.registry import Method, parameter
 from holonom.trace.code.compiled import sincos
 from holonom.trace.code.loops import loop
 
@@ -42,8 +37,8 @@ class StanleyParams(NamedTuple):
     position_gain: float
 
 
-@dataclass(frozen=True, slots=True)
-class StanleySettings:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StanleySettings(LawSettings):
     """Stanley's law; equations, stability and limits in `stanley_step`.
 
     Raises
@@ -57,18 +52,10 @@ class StanleySettings:
                                  unit="m/s", above=0.0)  # fmt: skip
     lead: float = parameter(0.3, meaning="of the leading axle before base_link: a car's wheelbase", unit="m", above=0.0)
     position_gain: float = parameter(2.0, meaning="speed per error along the way", unit="1/s", least=0.0)
-    max_speed: float = speed_limit()
-    max_acceleration: float = along_limit()
-    max_turn_rate: float = turn_rate_limit()
-    max_turn_acceleration: float = turn_acceleration_limit()
-    max_curvature: float = curvature_limit()
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     def params(self, dt: float) -> StanleyParams:
         """Params of `stanley_step` at a sample time, s."""
-        return StanleyParams(command_limits(self, dt), self.gain, self.softening, self.lead, self.position_gain)
+        return StanleyParams(self.limits(dt), self.gain, self.softening, self.lead, self.position_gain)
 
 
 @loop(error_model="numpy")
