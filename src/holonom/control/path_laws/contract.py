@@ -16,12 +16,14 @@ from holonom.trace.code.loops import loop
 
 __all__ = [
     "AHEAD",
+    "REST",
     "CommandLimits",
     "Error",
     "LawSettings",
     "PathLaw",
     "along_limit",
     "command_limits",
+    "curvature_at",
     "curvature_limit",
     "direction_of",
     "error_of",
@@ -37,6 +39,7 @@ __all__ = [
 AT, WAY, AHEAD = 0, 1, 7
 """Places in a law's memory (8,): index of the nearest sample, direction of the way (-1, 0, 1), and how near is what
 lies ahead (0: nothing, 1: stop), which a planner sets (`nearness`)."""
+REST = 1e-6  # m/s, up to which a reference counts as standing: it may hold rounding
 
 
 class CommandLimits(NamedTuple):
@@ -191,17 +194,31 @@ def direction_of(path: Array, phase: float, memory: Array) -> float:
     last = path.shape[0] - 1
     k = min(max(int(phase), 0), last)
     way = memory[WAY]
-    if path[k, 3] * way <= 0.0:
+    if path[k, 3] * way <= REST:
         found = path[k, 3]
         j = k
-        while found == 0.0 and j < last:
+        while abs(found) <= REST and j < last:
             j += 1
             found = path[j, 3]
-        turned = 0.0 if found == 0.0 else math.copysign(1.0, found)
+        turned = 0.0 if abs(found) <= REST else math.copysign(1.0, found)
         if turned != 0.0 and turned != way:
             memory[WAY] = way = turned
-            memory[AT] = k
+            memory[AT] = j
     return way if way != 0.0 else 1.0
+
+
+@loop(error_model="numpy")
+def curvature_at(path: Array, k: int, way: float) -> float:
+    """Curvature (1/m to the left of the way) at a sample; where the reference stands, that with which it goes on."""
+    last, j = path.shape[0] - 1, k
+    while j < last and abs(path[j, 3]) <= REST:
+        j += 1
+    if way * path[j, 3] <= REST:  # there is no more of this way: as it came
+        j = k
+        while j > 0 and abs(path[j, 3]) <= REST:
+            j -= 1
+    own = way * path[j, 3]
+    return path[j, 5] / own if own > REST else 0.0
 
 
 @loop(error_model="numpy")
@@ -215,7 +232,7 @@ def nearest(path: Array, phase: float, way: float, x: float, y: float, lead: flo
     here = _square_to(path, k, way * lead, x, y)
     step = 1
     for _ in range(2):
-        while 0 <= k + step <= last and path[k + step, 3] * way >= 0.0:
+        while 0 <= k + step <= last and path[k + step, 3] * way >= -REST:
             there = _square_to(path, k + step, way * lead, x, y)
             if there > here or (step < 0 and there == here):
                 break

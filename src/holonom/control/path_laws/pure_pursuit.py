@@ -11,6 +11,7 @@ from holonom.arrays import Array
 from holonom.control.base.kernels import Planar
 from holonom.control.path_laws.contract import (
     AHEAD,
+    REST,
     CommandLimits,
     PathLaw,
     along_limit,
@@ -112,7 +113,7 @@ def pure_pursuit_step(
     last = path.shape[0] - 1
     j, square = k, reach * reach
     dx, dy = path[j, 0] - pose.x, path[j, 1] - pose.y
-    while dx * dx + dy * dy < square and j < last and path[j + 1, 3] * way >= 0.0:
+    while dx * dx + dy * dy < square and j < last and path[j + 1, 3] * way >= -REST:
         j += 1
         dx, dy = path[j, 0] - pose.x, path[j, 1] - pose.y
     if dx * dx + dy * dy < square:  # the end: straight on to the circle around the robot

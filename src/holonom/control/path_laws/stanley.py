@@ -13,6 +13,7 @@ from holonom.control.path_laws.contract import (
     PathLaw,
     along_limit,
     command_limits,
+    curvature_at,
     curvature_limit,
     direction_of,
     error_of,
@@ -92,8 +93,7 @@ def stanley_step(
     s, c = sincos(pose.turn)
     x, y = pose.x + way * params.lead * c, pose.y + way * params.lead * s
     k = nearest(path, phase, way, x, y, params.lead, memory)
-    own = way * path[k, 3]
-    lean = math.atan(params.lead * path[k, 5] / own) if own > 1e-6 else 0.0
+    lean = math.atan(params.lead * curvature_at(path, k, way))
     e, d = sincos(path[k, 2] + lean)
     t, r = sincos(path[k, 2])
     px = path[k, 0] - pose.x + way * params.lead * (r - c)

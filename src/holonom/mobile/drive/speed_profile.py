@@ -233,7 +233,7 @@ def _cap(demands: Demands, max_speed: float, steering_rate: float, turning: Arra
     return np.asarray(v**2)
 
 
-def _in_time(s: Array, square: Array, jump: Array, steering: Array, rate: float) -> SpeedProfile:
+def _in_time(s: Array, square: Array, jump: NDArray[np.int64], steering: Array, rate: float) -> SpeedProfile:
     v, step = np.sqrt(square), np.diff(s)
     total = v[1:] + v[:-1]
     duration = np.divide(2.0 * step, total, out=np.zeros_like(step), where=step > 0.0)
