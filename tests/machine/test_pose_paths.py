@@ -12,7 +12,8 @@ from holonom.control.base.kernels import Planar, pose_step, reference_at
 from holonom.errors import InputError, OutOfLimits, ShapeError
 from holonom.machine import PATHS, PathLimits, plan_path
 from holonom.machine.base.pose_paths import joined
-from holonom.mobile import poses, reeds_shepp
+from holonom.mobile import poses
+from holonom.mobile.curves import reeds_shepp
 
 PLACES = ((0.0, 0.0, 0.0), (1.2, 0.6, 0.0), (0.6, 0.9, 1.0), (0.6, 0.9, 1.0), (2.0, -1.0, 3.0))
 LIMITS = PathLimits(0.6, 0.8)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holonom.arrays import Array
-from holonom.errors import InputError, OutOfLimits, ShapeError
+from holonom.errors import OutOfLimits, ShapeError
 from holonom.machine.base.pose_paths import Poses, joined, plan_segments
 from holonom.machine.base.timing import GRID, TICK, PathLimits, ReferencePath, in_time, squared_speeds
 from holonom.machine.levels import Levels, interpolate
@@ -147,8 +147,8 @@ def plan_path(
     ----------
     points
         (k, 2) of the curve, m, in order; a cubic spline goes through them. Closed where the last is the first. Or
-        segments of one curve from pose to pose (`mobile.dubins`, `mobile.reeds_shepp`): that is driven once, along the
-        tangent or against it; at cusps and where curvature jumps the base stands for `rest`, so that wheels can steer.
+        segments from pose to pose (`mobile.reeds_shepp`): driven once, along their tangent or against it; at cusps and
+        where curvature jumps the base stands for `rest`, so that wheels can steer.
     limits
         Speed and acceleration.
     laps
@@ -174,12 +174,7 @@ def plan_path(
     curvature), then smoothed in time twice over the rise time, so that the acceleration has no jumps.
     """
     if isinstance(points, Curves):
-        if heading not in (None, "tangent") or laps != 1 or start != 0.0:
-            raise InputError(
-                f"plan_path: a curve from pose to pose is driven once along its tangent; heading={heading!r}, "
-                f"laps={laps}, start={start!r} came; leave them out"
-            )
-        return plan_segments(points, limits, rest)
+        return plan_segments(points, limits, rest, heading, laps, start)
     turned: Heading = HEADINGS.make("fixed" if heading is None else heading)
     p = waypoints(points)
     closed = bool(np.allclose(p[0], p[-1]))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holonom.arrays import vectors
-from holonom.errors import ShapeError
+from holonom.errors import InputError, ShapeError
 from holonom.machine.base.timing import GRID, TICK, PathLimits, ReferencePath, in_time, squared_speeds
 from holonom.mobile.curves.curve import TURNS, Curves, turned_poses
 from holonom.registry import parameter
@@ -56,25 +56,50 @@ def joined(shortest: Callable[..., Curves], poses: ArrayLike, radius: float) -> 
     return Curves(p[:1], curves.radius, (word,), np.array([[length for _, length in pieces]]))
 
 
-def plan_segments(curve: Curves, limits: PathLimits, rest: float) -> ReferencePath:
-    """Drive along segments: from rest to rest over those that go on with the same curvature and direction."""
-    if curve.kinds.ndim != 1:
-        raise ShapeError(f"plan_path: {curve.kinds.shape[:-1]} curves came; it plans one")
-    kinds, sizes = curve.kinds, curve.lengths
-    ends = np.cumsum(np.abs(sizes)) * curve.radius
-    same = (kinds[1:] == kinds[:-1]) & (np.sign(sizes[1:]) == np.sign(sizes[:-1]))
-    stops = np.concatenate([[0.0], ends[:-1][~same], ends[-1:]])
-    first = np.concatenate([[0], 1 + np.flatnonzero(~same)])
-    parts = []
-    for i, begin, end in zip(first, stops[:-1], stops[1:], strict=True):
-        k, way = kinds[i] / curve.radius, math.copysign(1.0, sizes[i])
-        s = np.linspace(0.0, end - begin, GRID // 8 + 1)
+def plan_segments(
+    curve: Curves, limits: PathLimits, rest: float, heading: str | None = None, laps: int = 1, start: float = 0.0
+) -> ReferencePath:
+    """Drive along one curve: from rest to rest over pieces that go on with the same curvature and direction.
+
+    Raises
+    ------
+    ShapeError
+        More than one curve.
+    InputError
+        Another heading, laps, a turn at the start, which have no meaning here.
+    """
+    if heading not in (None, "tangent") or laps != 1 or start != 0.0:
+        raise InputError(
+            f"plan_path: a curve from pose to pose is driven once along its tangent; heading={heading!r}, laps={laps}, "
+            f"start={start!r} came; leave them out"
+        )
+    if len(curve.words) != 1:
+        raise ShapeError(f"plan_path: {len(curve.words)} curves came; it plans one")
+    radius = curve.radius
+    at, parts = curve.start[0] / [radius, radius, 1.0], []
+    for turn, length in _joined_pieces(curve):
+        k, way = turn / radius, math.copysign(1.0, length)
+        s = np.linspace(0.0, radius * abs(length), GRID // 8 + 1)
         distance, v, gain = in_time(s, squared_speeds(s, np.full(len(s), k), limits), limits.rise_time, 0.5 * rest)
         v, gain = np.where(v > _ROUNDING, v, 0.0), np.where(v > _ROUNDING, gain, 0.0)
-        pose = curve.poses(begin + np.minimum(distance, end - begin))
+        pose = turned_poses(at, np.full(len(v), turn), way * np.minimum(distance / radius, abs(length)))
         zero = np.zeros_like(v)
-        parts.append(np.column_stack([pose, way * v, zero, way * k * v, way * gain, k * v**2, way * k * gain]))
-    ends_ = [np.repeat(row, round(0.5 * rest / TICK), axis=0) for row in (parts[0][:1], parts[-1][-1:])]
-    rows = np.concatenate([ends_[0], *parts, ends_[1]])
+        parts.append(np.column_stack([
+            pose * [radius, radius, 1.0], way * v, zero, way * k * v, way * gain, k * v**2, way * k * gain
+        ]))  # fmt: skip
+        at = turned_poses(at, np.array(turn), np.array(length))
+    ends = [np.repeat(row, round(0.5 * rest / TICK), axis=0) for row in (parts[0][:1], parts[-1][-1:])]
+    rows = np.concatenate([ends[0], *parts, ends[1]])
     time = TICK * np.arange(len(rows), dtype=np.float64)
     return ReferencePath(time, *(np.ascontiguousarray(rows[:, i : i + 3]) for i in (0, 3, 6)))
+
+
+def _joined_pieces(curve: Curves) -> list[tuple[float, float]]:
+    """Turn (-1, 0, 1) and signed length in radii of the pieces of one curve, those that go on in one as one."""
+    found: list[tuple[float, float]] = []
+    for letter, length in zip(curve.words[0], curve.lengths[0].tolist(), strict=False):
+        if found and found[-1][0] == TURNS[letter] and found[-1][1] * length > 0.0:
+            found[-1] = (TURNS[letter], found[-1][1] + length)
+        elif length:
+            found.append((TURNS[letter], length))
+    return found
