@@ -67,7 +67,7 @@ class MpcSettings:
 
 
 class QuadraticProgram(NamedTuple):
-    """Least `x.P x/2 + q.x` with `low <= A x <= high`; x: errors e_1 to e_H (3 each), commands u_0 to u_(H-1), (v, w)."""
+    """Least `x.P x/2 + q.x` with `low <= A x <= high`; x: errors e_1 to e_H (3 each), commands u_0 to u_(H-1) (2)."""
 
     P: Array
     q: Array
