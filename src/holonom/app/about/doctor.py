@@ -55,7 +55,6 @@ EXTRAS: Mapping[str, Extra] = {
             "eaik": "eaik",
             "roboticstoolbox": "roboticstoolbox-python",
             "toppra": "toppra",
-            "ompl": "ompl",
         },
     ),
     "check": Extra(

@@ -49,7 +49,7 @@ class LtvSettings:
     """
 
     error_along: float = parameter(0.15, meaning="error that weighs as much as `effort_speed`", unit="m", above=0.0)
-    error_across: float = parameter(0.06, meaning="error that weighs as much as `effort_turn`", unit="m", above=0.0)
+    error_across: float = parameter(0.15, meaning="error that weighs as much as `effort_turn`", unit="m", above=0.0)
     error_heading: float = parameter(
         0.5, meaning="heading error that weighs as much as `effort_turn`", unit="rad", above=0.0
     )

@@ -45,7 +45,7 @@ class RamseteSettings:
         A number outside its range.
     """
 
-    b: float = parameter(20.0, meaning="how hard errors are corrected", unit="1/m2", above=0.0)
+    b: float = parameter(8.0, meaning="how hard errors are corrected", unit="1/m2", above=0.0)
     zeta: float = parameter(0.8, meaning="damping ratio", above=0.0, below=1.0)
     max_speed: float = speed_limit()
     max_acceleration: float = along_limit()
