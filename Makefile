@@ -89,7 +89,7 @@ $(VENV)/check.stamp: pyproject.toml constraints.txt | $(BIN)/python
 	@touch $@
 
 $(VENV)/test.stamp: pyproject.toml constraints.txt | $(BIN)/python
-	$(INSTALL) '.[vision,xacro,motion,plots,symbolic,docs,test]'
+	$(INSTALL) '.[vision,xacro,motion,plots,symbolic,mpc,docs,test]'
 	@touch $@ $(VENV)/demo.stamp
 
 $(VENV)/docs.stamp: pyproject.toml constraints.txt | $(BIN)/python
@@ -97,5 +97,5 @@ $(VENV)/docs.stamp: pyproject.toml constraints.txt | $(BIN)/python
 	@touch $@
 
 $(VENV)/oracle.stamp: pyproject.toml constraints.txt | $(BIN)/python
-	$(INSTALL) '.[vision,xacro,motion,plots,symbolic,docs,test,oracle]'
+	$(INSTALL) '.[vision,xacro,motion,plots,symbolic,mpc,docs,test,oracle]'
 	@touch $@ $(VENV)/demo.stamp $(VENV)/test.stamp

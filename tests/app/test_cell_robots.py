@@ -202,3 +202,36 @@ def test_the_deck_covers_the_wheels_and_the_frame_on_it(kind: str, tmp_path: Pat
     assert all(np.hypot(*(middle - (w.x, w.y))) < deck.radius for w in base.base.wheels)
     overview = job.scene.views[0]
     assert np.linalg.norm(np.array(overview.eye) - overview.target) > 2.0 * deck.radius
+
+
+POSES = 'poses = [["0m", "0m", "0deg"], ["0m", "0.8m", "0deg"]], radius = "0.6m", '
+SPEEDS = 'speed = "0.5m/s", acceleration = "0.3m/s2"'
+
+
+def pose_path(shape: str, keys: str) -> str:
+    return base_text("differential") + f'path = {{ shape = "{shape}", {keys} {SPEEDS} }}\n'
+
+
+@pytest.mark.parametrize("shape", ["dubins", "reeds_shepp"])
+def test_a_path_from_pose_to_pose_is_planned_along_its_tangent(shape: str, tmp_path: Path) -> None:
+    file = write(tmp_path, pose_path(shape, POSES + 'origin = ["1m", "2m"],'))
+    assert check_cell(file).data["warnings"] == []
+    path = built(file).bases[0].task.path
+    np.testing.assert_allclose(path.pose[[0, -1], :2], [[1.0, 2.0], [1.0, 2.8]], atol=1e-9)
+    assert not path.twist[:, 1].any()
+    assert (path.twist[:, 0].min() < 0.0) == (shape == "reeds_shepp")
+
+
+@pytest.mark.parametrize(
+    ("shape", "keys", "message"),
+    [
+        ("dubins", 'size = "1m",', "takes poses and radius and no points or size"),
+        ("reeds_shepp", POSES + 'heading = "fixed",', "takes its headings from its poses"),
+        ("circle", 'size = "1m", radius = "1m",', "takes size and no points or poses or radius"),
+        ("dubins", POSES.replace("0.6m", "0m"), "radius"),
+        ("dubins", POSES.replace("0.8m", "0m"), "all the same"),
+    ],
+)
+def test_a_path_from_pose_to_pose_that_is_none_is_refused(shape: str, keys: str, message: str, tmp_path: Path) -> None:
+    with pytest.raises(CellError, match=message):
+        built(write(tmp_path, pose_path(shape, keys)))

@@ -17,6 +17,8 @@ What drives a base
 Omni drives
     `Coupling`, `rim_speeds`, `base_twist`, `wheel_forces`, `base_acceleration`; `idle_patterns`, `split_pattern`;
     `effective_motors`, `force_envelope`, `acceleration_envelope`, `speed_envelope`, `critical_force`, `drive_limits`.
+As fast as it can
+    `speed_profile`: the fastest along a path that motors, floor and steering allow.
 Faults
     `detect_slip` (status, wheel, twist without it); `redistribute`, `allocation`, `actuation`, `possible_twists` with
     motors out.
@@ -84,6 +86,7 @@ from holonom.mobile.drive.failed_motor import (
 from holonom.mobile.drive.limits import DriveLimits, drive_limits
 from holonom.mobile.drive.patterns import PatternParts, copper_loss, idle_patterns, readable_patterns, split_pattern
 from holonom.mobile.drive.slip import SlipReport, SlipSettings, SlipStatus, detect_slip, separable_wheels
+from holonom.mobile.drive.speed_profile import SpeedProfile, speed_profile
 from holonom.mobile.methods import ARRANGEMENTS, LOCALISERS, SLIP_DETECTORS, arrangement
 from holonom.mobile.stability import (
     acceleration_limit,
@@ -118,6 +121,7 @@ __all__ = [
     "SlipReport",
     "SlipSettings",
     "SlipStatus",
+    "SpeedProfile",
     "Wheel",
     "WheelBase",
     "acceleration_envelope",
@@ -166,6 +170,7 @@ __all__ = [
     "separable_wheels",
     "skid_steer",
     "speed_envelope",
+    "speed_profile",
     "sphere",
     "split_pattern",
     "static_margin",

@@ -37,6 +37,7 @@ EXTRAS: Mapping[str, Extra] = {
     "motion": Extra("plan_transfer, motions with a limited jerk", {"ruckig": "ruckig"}),
     "plots": Extra("figures and pages to turn", {"matplotlib": "matplotlib", "plotly": "plotly"}),
     "symbolic": Extra("formulas to read", {"sympy": "sympy"}),
+    "mpc": Extra("the path law mpc", {"osqp": "osqp"}),
     "docs": Extra(
         "these pages as HTML",
         {
@@ -49,7 +50,12 @@ EXTRAS: Mapping[str, Extra] = {
     ),
     "oracle": Extra(
         "comparisons with peer libraries",
-        {"pinocchio": "pin", "eaik": "eaik", "roboticstoolbox": "roboticstoolbox-python", "toppra": "toppra"},
+        {
+            "pinocchio": "pin",
+            "eaik": "eaik",
+            "roboticstoolbox": "roboticstoolbox-python",
+            "toppra": "toppra",
+        },
     ),
     "check": Extra(
         "lint, types and layers",

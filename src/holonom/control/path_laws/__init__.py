@@ -10,6 +10,7 @@ negative speed, and cusps are places where it passes zero.
 `ramsete`             the same errors, gains of De Luca, Oriolo and Vendittelli
 `stanley`             the leading axle onto the path: heading and cross-track error
 `pure_pursuit`        arcs to a point ahead; slower in curves and before what is ahead
+`mpc`                 a quadratic program over the next second (extra `mpc`)
 ====================  ========================================================================
 """
 

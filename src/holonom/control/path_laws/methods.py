@@ -11,12 +11,13 @@ _HERE = "holonom.control.path_laws"
 PATH_LAWS = Table(
     "path_laws",
     "law of a path",
-    "a `PathLaw`: its compiled step and its settings",
+    "a `PathLaw`: its compiled step and its settings; of mpc a `LinearMpc`, which plans",
     {
         "kanayama": f"{_HERE}.kanayama:KANAYAMA",
         "ltv": f"{_HERE}.ltv:LTV",
         "ramsete": f"{_HERE}.ramsete:RAMSETE",
         "stanley": f"{_HERE}.stanley:STANLEY",
         "pure_pursuit": f"{_HERE}.pure_pursuit:PURE_PURSUIT",
+        "mpc": f"{_HERE}.mpc:MPC",
     },
 )

@@ -12,7 +12,10 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import Array
 from holonom.errors import OutOfLimits, ShapeError
+from holonom.machine.base.pose_paths import Poses, joined, plan_segments
+from holonom.machine.base.timing import GRID, TICK, PathLimits, ReferencePath, in_time, squared_speeds
 from holonom.machine.levels import Levels, interpolate
+from holonom.mobile.curves import Curves, dubins, reeds_shepp
 from holonom.registry import OWN, Method, Table, parameter
 
 if TYPE_CHECKING:
@@ -31,52 +34,7 @@ __all__ = [
     "waypoints",
 ]
 
-TICK = 1e-3
 KNOTS = 400  # of the spline through a closed curve
-GRID = 4000  # points at which the speed is planned
-
-
-@dataclass(frozen=True, slots=True)
-class ReferencePath:
-    """A motion at 1 kHz.
-
-    Attributes
-    ----------
-    time
-        (N,) s.
-    pose
-        (N, 3) x, y, theta in the world; theta does not wrap.
-    twist
-        (N, 3) vx, vy, w in the base_link of that pose.
-    acceleration
-        (N, 3): acceleration of the centre in the axes of that base_link (m/s^2), and of the heading (rad/s^2).
-    """
-
-    time: Array
-    pose: Array
-    twist: Array
-    acceleration: Array
-
-
-@dataclass(frozen=True, slots=True)
-class PathLimits:
-    """How fast a path is driven: speed (m/s), acceleration along and across together (m/s^2), s in which it comes on.
-
-    Raises
-    ------
-    OutOfLimits
-        A number that is not positive.
-    """
-
-    speed: float = 1.5
-    acceleration: float = 2.0
-    rise_time: float = 0.1
-
-    def __post_init__(self) -> None:
-        for name in ("speed", "acceleration", "rise_time"):
-            value = getattr(self, name)
-            if not 0.0 < value < math.inf:
-                raise OutOfLimits(f"PathLimits: {name} is {value!r}; it must be finite and greater than 0")
 
 
 def circle(size: float) -> Array:
@@ -143,7 +101,7 @@ _SPLINES = "de Boor, A Practical Guide to Splines"
 PATHS = Table(
     "paths",
     "shape of a path",
-    "its points (k, 2), m",
+    "its points (k, 2), m; from pose to pose, `Curves`",
     {
         "circle": Method("through the origin, counter-clockwise", lambda p: circle(p.size), _CURVES, ClosedCurve),
         "figure_of_eight": Method(
@@ -156,17 +114,29 @@ PATHS = Table(
             ClosedCurve,
         ),
         "waypoints": Method("a cubic spline through places", lambda p: waypoints(p.points), _SPLINES, Waypoints),
+        "dubins": Method(
+            "shortest way forwards from pose to pose, for bases that cannot turn on the spot",
+            lambda p: joined(dubins, p.poses, p.radius),
+            "Dubins, Am. J. Math. 79, 1957",
+            Poses,
+        ),
+        "reeds_shepp": Method(
+            "shortest way forwards and backwards from pose to pose, with cusps",
+            lambda p: joined(reeds_shepp, p.poses, p.radius),
+            "Reeds & Shepp, Pacific J. Math. 145, 1990",
+            Poses,
+        ),
     },
 )
 """What a base may drive along."""
 
 
 def plan_path(
-    points: ArrayLike,
+    points: ArrayLike | Curves,
     limits: PathLimits = PathLimits(),
     *,
     laps: int = 1,
-    heading: str = "fixed",
+    heading: str | None = None,
     start: float = 0.0,
     turns: float = 1.0,
     rest: float = 0.3,
@@ -176,13 +146,15 @@ def plan_path(
     Parameters
     ----------
     points
-        (k, 2) of the curve, m, in order; a cubic spline goes through them. Closed where the last is the first.
+        (k, 2) of the curve, m, in order; a cubic spline goes through them. Closed where the last is the first. Or
+        segments from pose to pose (`mobile.reeds_shepp`): driven once, along their tangent or against it; at cusps and
+        where curvature jumps the base stands for `rest`, so that wheels can steer.
     limits
         Speed and acceleration.
     laps
         How often a closed curve is driven.
     heading
-        "fixed", "tangent" (base_link's x along the path) or "rotating" (evenly over the way).
+        "fixed" (unless given), "tangent" (base_link's x along the path) or "rotating" (evenly over the way).
     start
         Heading at the start (rad): of "fixed" and "rotating"; against the tangent for "tangent".
     turns
@@ -193,13 +165,17 @@ def plan_path(
     Raises
     ------
     ShapeError, OutOfLimits, UnknownName
+    InputError
+        Segments that are to be driven with another heading, with laps, or turned (`start`).
 
     Notes
     -----
     The speed is the largest under `hypot(dv/dt, v^2 kappa) <= acceleration` (forward and backward pass over the
     curvature), then smoothed in time twice over the rise time, so that the acceleration has no jumps.
     """
-    turned: Heading = HEADINGS.make(heading)
+    if isinstance(points, Curves):
+        return plan_segments(points, limits, rest, heading, laps, start)
+    turned: Heading = HEADINGS.make("fixed" if heading is None else heading)
     p = waypoints(points)
     closed = bool(np.allclose(p[0], p[-1]))
     if laps < 1 or (laps > 1 and not closed):
@@ -207,8 +183,8 @@ def plan_path(
                           "more of a closed one")  # fmt: skip
     curve, length = _by_length(p, closed)
     s = np.linspace(0.0, laps * length, GRID * laps + 1)
-    v = _speed_profile(s, _curvature(curve, s, length), limits)
-    distance, speed, gain = _in_time(s, v, limits.rise_time, rest)
+    v = squared_speeds(s, _curvature(curve, s, length), limits)
+    distance, speed, gain = in_time(s, v, limits.rise_time, rest)
     angle = turned(curve, distance, length, start, turns)
     return _reference(curve, length, distance, speed, gain, angle)
 
@@ -247,37 +223,6 @@ def _curvature(curve: CubicSpline, s: Array, length: float) -> Array:
     d, dd = _on(curve, s, length, 1), _on(curve, s, length, 2)
     k: Array = (d[:, 0] * dd[:, 1] - d[:, 1] * dd[:, 0]) / np.hypot(*d.T) ** 3
     return k
-
-
-def _speed_profile(s: Array, curvature: Array, limits: PathLimits) -> Array:
-    """Squared speed at each s, from rest to rest."""
-    k = np.abs(curvature)
-    most = np.minimum(limits.speed**2, limits.acceleration / np.maximum(k, 1e-9))
-    most[[0, -1]] = 0.0
-    for order in (range(1, len(s)), range(len(s) - 2, -1, -1)):
-        step = 1 if order.step == 1 else -1
-        for i in order:
-            before = most[i - step]
-            left = math.sqrt(max(limits.acceleration**2 - (before * k[i - step]) ** 2, 0.0))
-            most[i] = min(most[i], before + 2.0 * left * abs(s[i] - s[i - step]))
-    return most
-
-
-def _in_time(s: Array, square: Array, rise: float, rest: float) -> tuple[Array, Array, Array]:
-    """Distance, speed and acceleration along the way at 1 kHz, smoothed, resting at both ends."""
-    from scipy.ndimage import uniform_filter1d  # heavy: on first use
-
-    v = np.sqrt(square)
-    t = np.concatenate([[0.0], np.cumsum(2.0 * np.diff(s) / (v[1:] + v[:-1]))])
-    window = max(round(rise / TICK), 1)
-    pad = round(rest / TICK) + window
-    n = math.ceil(t[-1] / TICK) + 1
-    speed = np.pad(np.interp(TICK * np.arange(n), t, v, right=0.0), pad)
-    for _ in range(2):
-        speed = uniform_filter1d(speed, window, mode="constant")
-    distance = np.concatenate([[0.0], np.cumsum(0.5 * TICK * (speed[1:] + speed[:-1]))])
-    scale = s[-1] / distance[-1]
-    return scale * distance, scale * speed, np.gradient(scale * speed, TICK)
 
 
 def _fixed(curve: CubicSpline, s: Array, length: float, start: float, turns: float) -> Array:

@@ -22,6 +22,7 @@ from holonom.errors import CellError, InputError, ModelError
 from holonom.machine import PATHS, BaseSettings, PathLimits, ReferencePath, plan_path
 from holonom.mobile import BaseDrive, BaseSensors, WheelBase
 from holonom.mobile.base.drivable import moves_sideways
+from holonom.mobile.curves import Curves
 from holonom.mobile.drive.sized import sized_base_drive
 from holonom.mobile.odometry import integrate
 from holonom.sim import BaseFault
@@ -211,6 +212,8 @@ def beside(poses: Array) -> float:
 def _path(path: PathTable, base: WheelBase) -> ReferencePath:
     points = PATHS.make(path.shape, {field.name: getattr(path, field.name) for field in PATHS[path.shape].fields})
     limits = PathLimits(path.speed, path.acceleration)
+    if isinstance(points, Curves):
+        return plan_path(dataclasses.replace(points, start=points.start + np.array([*path.origin, 0.0])), limits)
     heading = path.heading or ("fixed" if moves_sideways(base) else "tangent")
     return plan_path(points + np.array(path.origin), limits, laps=path.laps, heading=heading, start=path.angle)
 

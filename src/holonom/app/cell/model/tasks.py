@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, Strict, ValidationInfo, field_validator, model_validator
 
-from holonom.app.fields.quantities import Angle, Count, OneOf, OwnFile, Quantity, Section, Size, Text, Vector2
+from holonom.app.fields.quantities import Angle, Count, Length, OneOf, OwnFile, Quantity, Section, Size, Text, Vector2
 from holonom.errors import CellError
 from holonom.machine.base.paths import HEADINGS, PATHS
 from holonom.machine.base.settings import KEEP
@@ -57,15 +57,22 @@ class ProgramTable(Section):
         return str(beside.relative_to((info.context or {}).get("folder", ".")))
 
 
+PlanarPose = tuple[Length, Length, Angle]
+
+
 class PathTable(Section):
     """The path that the base is to drive, from rest to rest."""
 
     shape: Annotated[str, OneOf(PATHS)]
     """its form"""
     size: Size | None = None
-    """its length; of waypoints none"""
+    """its length; of waypoints and poses none"""
     points: Annotated[tuple[Vector2, ...], Field(min_length=2)] | None = None
     """waypoints: the places that it goes through; closed where the last is the first"""
+    poses: Annotated[tuple[PlanarPose, ...], Field(min_length=2)] | None = None
+    """dubins, reeds_shepp: x, y and heading of each that it goes to; the first is the start"""
+    radius: Size | None = None
+    """dubins, reeds_shepp: smallest turning radius"""
     origin: Vector2 = (0.0, 0.0)
     """where it lies: middle of the eight, start of the circle, middle of the square's lower side"""
     speed: Annotated[float, Quantity("speed", "1mm/s", "20m/s")]
@@ -76,7 +83,7 @@ class PathTable(Section):
     """times around"""
     heading: Annotated[str, OneOf(HEADINGS)] | None = None
     """where the base looks: always the same way, along the path, or once around per lap; unless given, the same way; of
-    a base that cannot move sideways, along the path"""
+    a base that cannot move sideways, and from pose to pose, along the path"""
     angle: Angle = 0.0
     """its heading at the start; against the path where it looks along it"""
     position_tolerance: Size | None = None
@@ -91,10 +98,13 @@ class PathTable(Section):
     @model_validator(mode="after")
     def _size_or_points(self) -> PathTable:
         wanted = {field.name for field in PATHS[self.shape].fields}
-        given = {name for name in ("points", "size") if getattr(self, name) is not None}
+        own = {"points", "poses", "radius", "size"}
+        given = {name for name in own if getattr(self, name) is not None}
         if given != wanted:
-            other = " and ".join(sorted({"points", "size"} - wanted))
+            other = " or ".join(sorted(own - wanted))
             raise CellError(f"shape {self.shape!r} takes {' and '.join(sorted(wanted))} and no {other}")
+        if "poses" in wanted and ({"heading", "angle", "laps"} & self.model_fields_set):
+            raise CellError(f"shape {self.shape!r} takes its headings from its poses; no heading, angle or laps")
         return self
 
 
