@@ -7,9 +7,11 @@
 `held_out_errors`       what such a calibration is worth on a run it has not seen
 `DRIVES`, `SETS`        what can be calibrated: drives with their parameters, sets of these
 `drive_parameters`      a set and the motion matrix it makes, as `DriveParameters`
+`derived_parameters`    the same of any `WheelBase`, by the kinds of its wheels, as `DerivedParameters`
+`with_encoders`         a base whose odometry comes from other wheels than those with motors
 `article`               a drive with its article, for messages
 `wheels_of`             wheels and steered wheels of a drive, in the order of the columns
-`dead_reckoning`        poses of a run by odometry
+`dead_reckoning`        poses of a run by odometry; `Motion` is that of a base that steers
 `truth_frame`           where the truth's frame is, roughly; `seen_from` is what it sees
 `path_errors`           the four error measures, `PathErrors`
 `clock_of`              how late the truth's `Clock` is, and at which rate; `clear_clock` where that is clear;
@@ -18,17 +20,24 @@
 """
 
 from holonom.mobile.calibration.clocks import Clock, clear_clock, clock_of, on_the_clock_of_the_wheels, truth_frame
+from holonom.mobile.calibration.derived import (
+    DerivedParameters,
+    derived_parameters,
+    known_parameters,
+    with_encoders,
+)
 from holonom.mobile.calibration.least_squares import Calibration, calibrate, held_out_errors
 from holonom.mobile.calibration.parameters import (
     DRIVES,
     SETS,
     DriveParameters,
+    Parameters,
     article,
     drive_parameters,
     seen_from,
     wheels_of,
 )
-from holonom.mobile.calibration.runs import PathErrors, Run, dead_reckoning, path_errors
+from holonom.mobile.calibration.runs import Motion, PathErrors, Run, dead_reckoning, lever_of, path_errors
 from holonom.mobile.calibration.umbmark import UMBmark, umbmark
 
 __all__ = [
@@ -36,7 +45,10 @@ __all__ = [
     "SETS",
     "Calibration",
     "Clock",
+    "DerivedParameters",
     "DriveParameters",
+    "Motion",
+    "Parameters",
     "PathErrors",
     "Run",
     "UMBmark",
@@ -45,12 +57,16 @@ __all__ = [
     "clear_clock",
     "clock_of",
     "dead_reckoning",
+    "derived_parameters",
     "drive_parameters",
     "held_out_errors",
+    "known_parameters",
+    "lever_of",
     "on_the_clock_of_the_wheels",
     "path_errors",
     "seen_from",
     "truth_frame",
     "umbmark",
     "wheels_of",
+    "with_encoders",
 ]

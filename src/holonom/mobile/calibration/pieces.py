@@ -52,8 +52,8 @@ def surest(problem: Problem, x: Array, *, lever: float | None) -> Problem:
     x : (p,) their solution.
     lever : m/rad of headings; unless given, how far a piece leads from its start.
     """
-    matrix = problem.drive.matrix(problem.values(x))
-    runs = tuple(on_the_clock_of_the_wheels(run, clock_of(run, matrix)) for run in problem.runs)
+    motion = problem.drive.motion(problem.values(x))
+    runs = tuple(on_the_clock_of_the_wheels(run, clock_of(run, motion)) for run in problem.runs)
     problem = replace(problem, runs=runs)
     x = solve(problem, x)
     noise = noise_of(problem.parts(x))

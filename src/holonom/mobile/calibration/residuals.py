@@ -14,7 +14,7 @@ import numpy as np
 from scipy import optimize
 
 from holonom.arrays import Array
-from holonom.mobile.calibration.parameters import DriveParameters
+from holonom.mobile.calibration.parameters import Parameters
 from holonom.mobile.calibration.runs import Run
 from holonom.mobile.odometry.integrate import rule_named
 from holonom.mobile.odometry.kernels import sensitivities_into
@@ -69,7 +69,7 @@ class Problem:
     """
 
     runs: tuple[Run, ...]
-    drive: DriveParameters
+    drive: Parameters
     rule: str
     lever: float
     final_weight: float
@@ -81,11 +81,9 @@ class Problem:
 
     def parts(self, x: Array) -> list[RunPart]:
         """Every run at `x`."""
-        p = self.values(x)
-        M, dM = np.ascontiguousarray(self.drive.matrix(p)), self.drive.slopes(p) * self.drive.scale
-        flat = dM.reshape(-1, len(p))
         sure = np.full((len(self.runs), 4), SURE) if self.sureness is None else self.sureness
-        return [self._part(run, M, flat, own) for run, own in zip(self.runs, sure, strict=True)]
+        p = self.values(x)
+        return [self._part(run, p, own) for run, own in zip(self.runs, sure, strict=True)]
 
     def residuals(self, x: Array) -> tuple[Array, Array]:
         """Weighted errors (n,) and their derivatives (n, p)."""
@@ -97,19 +95,18 @@ class Problem:
             J += [(part.free_slope * root[..., None]).reshape(-1, len(x)), part.prior_slope]
         return np.concatenate(r), np.concatenate(J)
 
-    def _part(self, run: Run, M: Array, dM: Array, sure: Array) -> RunPart:
+    def _part(self, run: Run, p: Array, sure: Array) -> RunPart:
         share, exact = rule_named(self.rule)
-        features = np.ascontiguousarray(run.features)
-        n, m = features.shape
-        poses, slopes = np.empty((n, 3)), np.empty((n, 3, 3 * m))
+        increments, by_all = self.drive.increments(run, p)
+        n = len(increments)
+        poses, slope = np.empty((n, 3)), np.empty((n, 3, len(p)))
         start = np.array([*run.truth[0, :2], run.heading[0]])
-        sensitivities_into(features, M, start, share, exact, poses, slopes)
+        sensitivities_into(increments, by_all * self.drive.scale, start, share, exact, poses, slope)
         error = poses - run.truth
         error[:, 2] = poses[:, 2] - run.heading
         weight = np.full(n, 1.0 / n)
         weight[-1] += self.final_weight**2
         weight = weight[:, None] * np.array([1.0, 1.0, self.lever**2]) / len(self.runs)
-        slope = slopes @ dM
         own = _own(run, poses, np.sqrt(weight), sure)
         (free_error, prior), (free_slope, prior_slope) = own.freed(error[..., None]), own.freed(slope)
         travel = np.abs(run.turns).mean(axis=1)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ from holonom.arrays import Array
 from holonom.errors import CalibrationError, NotFinite, ShapeError
 from holonom.mobile.odometry import integrate
 
-__all__ = ["PathErrors", "Run", "dead_reckoning", "need_truth", "path_errors"]
+__all__ = ["Motion", "PathErrors", "Run", "dead_reckoning", "lever_of", "need_truth", "path_errors"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,10 +105,39 @@ class PathErrors:
         return float(self.final_headings.max())
 
 
-def dead_reckoning(run: Run, matrix: Array, rule: str = "midpoint") -> Array:
-    """Poses (N, 3) of a run by odometry from the truth's first pose, or zero; `matrix` maps features to increments."""
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """How wheels move a base whose increments are no constant matrix times features.
+
+    Attributes
+    ----------
+    increments : of a run, (N, 3), m and rad.
+    lever : how far a wheel's way turns the base, m per rad.
+    """
+
+    increments: Callable[[Run], Array]
+    lever: float
+
+
+def lever_of(motion: Array | Motion) -> float:
+    """How far a wheel's way turns the base, m per rad."""
+    if isinstance(motion, Motion):
+        return motion.lever
+    return float(np.abs(motion[:2]).max() / max(np.abs(motion[2]).max(), 1e-12))
+
+
+def dead_reckoning(run: Run, motion: Array | Motion, rule: str = "midpoint") -> Array:
+    """Poses (N, 3) of a run by odometry from the truth's first pose, or zero.
+
+    Parameters
+    ----------
+    motion : motion matrix (3, f), which turns features into increments, or a `Motion`.
+    rule : of integration.
+    """
     start = np.array([*run.truth[0, :2], run.heading[0]]) if len(run.truth) else np.zeros(3)
-    return integrate(run.features, matrix=matrix, start=start, rule=rule)
+    if isinstance(motion, Motion):
+        return integrate(motion.increments(run), start=start, rule=rule)
+    return integrate(run.features, matrix=motion, start=start, rule=rule)
 
 
 def need_truth(runs: Sequence[Run]) -> None:

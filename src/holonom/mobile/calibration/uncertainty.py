@@ -20,7 +20,7 @@ from scipy.optimize import nnls
 
 from holonom.arrays import Array
 from holonom.errors import CalibrationError
-from holonom.mobile.calibration.parameters import DriveParameters
+from holonom.mobile.calibration.parameters import Parameters
 from holonom.mobile.calibration.residuals import SURE, RunPart
 
 __all__ = ["Noise", "check_excitation", "noise_covariance", "noise_of", "sureness"]
@@ -157,7 +157,7 @@ def _moved(poses: Array, at: NDArray[np.intp], lag: int) -> Array:
     return np.stack([c * x + s * y, c * y - s * x, turn], axis=1)
 
 
-def check_excitation(J: Array, drive: DriveParameters, covariance: Array | None = None) -> Array:
+def check_excitation(J: Array, drive: Parameters, covariance: Array | None = None) -> Array:
     """Singular values (p,) of the weighted, scaled Jacobian, largest first; refuse a motion that leaves any open.
 
     Parameters
