@@ -8,6 +8,7 @@
 `DRIVES`, `SETS`        what can be calibrated: drives with their parameters, sets of these
 `drive_parameters`      a set and the motion matrix it makes, as `DriveParameters`
 `derived_parameters`    the same of any `WheelBase`, by the kinds of its wheels, as `DerivedParameters`
+`identifiability`       which numbers runs tell, and which of `STANDARD_RUNS` would help
 `with_encoders`         a base whose odometry comes from other wheels than those with motors
 `article`               a drive with its article, for messages
 `wheels_of`             wheels and steered wheels of a drive, in the order of the columns
@@ -26,6 +27,7 @@ from holonom.mobile.calibration.derived import (
     known_parameters,
     with_encoders,
 )
+from holonom.mobile.calibration.identifiability import Combination, Identifiability, identifiability
 from holonom.mobile.calibration.least_squares import Calibration, calibrate, held_out_errors
 from holonom.mobile.calibration.parameters import (
     DRIVES,
@@ -38,15 +40,19 @@ from holonom.mobile.calibration.parameters import (
     wheels_of,
 )
 from holonom.mobile.calibration.runs import Motion, PathErrors, Run, dead_reckoning, lever_of, path_errors
+from holonom.mobile.calibration.standard_runs import STANDARD_RUNS, standard_run
 from holonom.mobile.calibration.umbmark import UMBmark, umbmark
 
 __all__ = [
     "DRIVES",
     "SETS",
+    "STANDARD_RUNS",
     "Calibration",
     "Clock",
+    "Combination",
     "DerivedParameters",
     "DriveParameters",
+    "Identifiability",
     "Motion",
     "Parameters",
     "PathErrors",
@@ -60,11 +66,13 @@ __all__ = [
     "derived_parameters",
     "drive_parameters",
     "held_out_errors",
+    "identifiability",
     "known_parameters",
     "lever_of",
     "on_the_clock_of_the_wheels",
     "path_errors",
     "seen_from",
+    "standard_run",
     "truth_frame",
     "umbmark",
     "wheels_of",

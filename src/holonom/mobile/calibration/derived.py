@@ -2,7 +2,8 @@
 
 Each kind names what may be wrong with it; a number that the odometry of any motion cannot tell from those before it
 (the place of a sensor beside the origin of base_link, say) is left out, by the rank of the increments' derivatives over
-random motions of the base, and named with what it cannot be told from. Derivatives are complex steps (Squire & Trapp,
+random motions of the base, and named with what it cannot be told from. A base with more wheels than motions tells more:
+its wheels must agree with each other, whatever the truth says (`Sampled.strain`). Derivatives are complex steps (Squire & Trapp,
 SIAM Review 40, 1998): exact to rounding.
 """
 
@@ -18,7 +19,7 @@ from holonom.arrays import Array
 from holonom.errors import CalibrationError, UnknownName
 from holonom.mobile.base.wheel import KINDS
 from holonom.mobile.base.wheel_base import WheelBase
-from holonom.mobile.calibration.parameters import SETS, Parameters, drive_parameters
+from holonom.mobile.calibration.parameters import SETS, Parameters, Sampled, drive_parameters
 from holonom.mobile.calibration.runs import Motion, Run
 
 __all__ = ["DerivedParameters", "derived_parameters", "known_parameters", "with_encoders"]
@@ -29,6 +30,7 @@ HELD = 1e4  # weight of a wheel that must not slide beside one that rolls
 SAMPLES, SEED = 96, 5  # random motions that tell which numbers odometry can tell at all
 OWN = 1e-6  # share of its effect that a parameter must have for itself
 NAMED = 0.02  # share of its effect that another must explain to be named
+BALL = 2  # speeds of a ball, along its heading and along its axle
 HELD_KINDS = ("fixed", "steered", "skid")
 
 
@@ -60,9 +62,9 @@ class DerivedParameters:
         """Name of the base."""
         return self.base.name
 
-    def increments(self, run: Run, p: Array) -> tuple[Array, Array]:
-        """Increments (N, 3) in the truth's frame, m and rad, and their derivatives (N, 3, p)."""
-        return _increments(self.base, self.effects, run, p)
+    def sampled(self, run: Run, p: Array) -> Sampled:
+        """Increments of a run and what its wheels count beyond any motion, with their derivatives."""
+        return _sampled(self.base, self.effects, run, p)
 
     def motion(self, p: Array) -> Array | Motion:
         """What `dead_reckoning` takes: the motion matrix (3, f), of a base that steers a `Motion`."""
@@ -73,7 +75,7 @@ class DerivedParameters:
         return Motion(lambda run: self._moved(run, p), self.base.radius)
 
     def _moved(self, run: Run, p: Array) -> Array:
-        return np.ascontiguousarray(_moved(self.base, _geometry(self.base, self.effects, p[None]), run)[0])
+        return np.ascontiguousarray(_moved(self.base, _geometry(self.base, self.effects, p[None]), run)[0][0])
 
 
 class _Geometry(NamedTuple):
@@ -115,15 +117,9 @@ def derived_parameters(base: WheelBase, set_name: str = "physical") -> DerivedPa
     ------
     UnknownName
         No such set.
-    CalibrationError
-        A ball with three drives: it may spin on the spot, and tells nothing of its place.
     """
     if set_name not in SETS:
         raise UnknownName("set of parameters", set_name, SETS)
-    if any(w.kind == "spherical" and w.driven for w in base.wheels):
-        raise CalibrationError(
-            f"base {base.name!r} drives a ball about three axes; other kinds of wheels are calibrated, and a ball with two"
-        )
     effects = _physical(base) + (_extended(base) if set_name == "extended" else [])
     kept, gauge = _told(base, effects)
     return DerivedParameters(
@@ -263,17 +259,22 @@ def _geometry(base: WheelBase, effects: Sequence[Effect], p: Array) -> _Geometry
     return _Geometry(**fields)
 
 
-def _increments(base: WheelBase, effects: Sequence[Effect], run: Run, p: Array) -> tuple[Array, Array]:
+def _sampled(base: WheelBase, effects: Sequence[Effect], run: Run, p: Array) -> Sampled:
     q = len(p)
     steps = np.concatenate([p[None] + 0j, p + 1j * STEP * np.eye(q)])
-    found = _moved(base, _geometry(base, effects, steps), run)
-    return np.ascontiguousarray(found[0].real), np.ascontiguousarray(np.moveaxis(found[1:].imag, 0, -1) / STEP)
+    parts: list[Array] = []
+    for found in _moved(base, _geometry(base, effects, steps), run):
+        slopes = np.moveaxis(found[1:].imag, 0, -1) / STEP
+        parts += [np.ascontiguousarray(found[0].real), np.ascontiguousarray(slopes)]
+    return Sampled(*parts)
 
 
-def _moved(base: WheelBase, g: _Geometry, run: Run) -> Array:
-    """Increments (P, N, 3) of P geometries: the model of `WheelBase.twist`, sliding rows by a heavy weight.
+def _moved(base: WheelBase, g: _Geometry, run: Run) -> tuple[Array, Array]:
+    """Increments (P, N, 3) of P geometries: the model of `WheelBase.twist`, sliding rows of fixed wheels heavy.
 
-    Where steered wheels that no motor turns only lead, the best motion is made as long as the driven rims say.
+    The angle of a steered wheel is measured, like the turn of a driven one: where their axles do not meet in one point
+    the motion fits both alike (`WheelBase.twist` lets wheels lead that are not driven; where they meet it is the same).
+    And what each row (P, N, k) misses, as a turn of a wheel, rad.
     """
     turns, steering = run.turns, run.steering
     axle = np.broadcast_to(g.axle[:, None], (len(g.axle), len(turns) if len(base.steered) else 1, len(base.wheels)))
@@ -281,7 +282,7 @@ def _moved(base: WheelBase, g: _Geometry, run: Run) -> Array:
     for j, members in enumerate(base.layout.groups):
         angle = g.gear[:, None, j] * steering[:, j] + g.zero[:, None, j]
         axle[:, :, list(members)] += angle[..., None]
-    rolling, sliding, leads = [], [], False
+    rolling, sliding, weights = [], [], []
     for i, wheel in enumerate(base.wheels):
         x, y = g.x[:, None, i], g.y[:, None, i]
         s, c = np.sin(axle[..., i]), np.cos(axle[..., i])
@@ -290,33 +291,32 @@ def _moved(base: WheelBase, g: _Geometry, run: Run) -> Array:
             sg, cg = np.sin(axle[..., i] + gamma), np.cos(axle[..., i] + gamma)
             row = np.stack([sg, -cg, -(x * cg + y * sg)], axis=-1)
             rolling.append(row / (np.cos(gamma)[..., None] if wheel.kind == "swedish" else 1.0))
-        if wheel.kind == "ball":
+        if wheel.driven and len(KINDS[wheel.kind].speeds(wheel)) == BALL:
             spin = np.zeros_like(rolling[-1])
-            spin[..., 2] = HELD * wheel.radius
+            spin[..., 2] = wheel.radius
             rolling.append(np.stack([c, s, x * s - y * c], axis=-1))
             sliding.append(spin)
+            weights.append(HELD)
         if wheel.kind in HELD_KINDS:
-            weight = 1.0 if wheel.kind == "steered" and wheel.driven else HELD
-            leads = leads or (wheel.kind == "steered" and not wheel.driven)
-            sliding.append(weight * np.stack([c, s, x * s - y * c], axis=-1))
+            weights.append(1.0 if wheel.kind == "steered" else HELD)
+            sliding.append(np.stack([c, s, x * s - y * c], axis=-1))
     scale = np.array([1.0, 1.0, 1.0 / base.radius])
     D = np.stack(rolling, axis=-2) * scale
-    rows = np.concatenate([D, np.stack(sliding, axis=-2) * scale], axis=-2) if sliding else D
+    C = np.stack(sliding, axis=-2) * scale if sliding else D[..., :0, :]
+    rows = np.concatenate([D, C * np.array(weights)[:, None]], axis=-2)
     normal = np.swapaxes(rows, -1, -2) @ rows
     normal = normal + 1e-12 * np.eye(3)  # a synchro drive never turns
     driven = [i for i, wheel in enumerate(base.wheels) if wheel.driven for _ in KINDS[wheel.kind].speeds(wheel)]
     rims = turns * g.radius[:, None, driven]
     v = np.linalg.solve(normal, np.swapaxes(D, -1, -2) @ rims[..., None])[..., 0]
-    if leads:
-        along = (D @ v[..., None])[..., 0]
-        square = (along * along).sum(axis=-1)
-        still = square.real <= 1e-300
-        v = v * np.where(still, 1.0, (along * rims).sum(axis=-1) / np.where(still, 1.0, square))[..., None]
+    size = g.radius[:, None, driven]  # as turns of wheels, of which a base that is larger altogether has no more
+    apart = turns - (D @ v[..., None])[..., 0] / size
+    strain = np.concatenate([apart, (C @ v[..., None])[..., 0] / size.mean(axis=-1, keepdims=True)], axis=-1)
     v = v * scale
     ahead, left, yaw = (g.frame[:, None, j] for j in range(3))
     vx, vy = v[..., 0] - left * v[..., 2], v[..., 1] + ahead * v[..., 2]
     c, s = np.cos(yaw), np.sin(yaw)
-    return np.stack([c * vx + s * vy, c * vy - s * vx, v[..., 2]], axis=-1)
+    return np.stack([c * vx + s * vy, c * vy - s * vx, v[..., 2]], axis=-1), strain
 
 
 def _told(base: WheelBase, effects: list[Effect]) -> tuple[list[Effect], dict[str, tuple[str, ...]]]:
@@ -328,8 +328,10 @@ def _told(base: WheelBase, effects: list[Effect]) -> tuple[list[Effect], dict[st
     turns = base.wheel_speeds(twists, steering, tolerance=np.inf)
     run = Run("random", np.arange(SAMPLES, dtype=np.float64), turns, np.empty((0, 3)), steering)
     nominal = np.array([e.nominal for e in effects])
-    slopes = _increments(base, effects, run, nominal)[1] * np.array([e.scale for e in effects])
-    columns = (slopes * np.array([1.0, 1.0, base.radius])[:, None]).reshape(-1, len(effects))
+    found = _sampled(base, effects, run, nominal)
+    by_motion = (found.slopes * np.array([1.0, 1.0, base.radius])[:, None]).reshape(-1, len(effects))
+    by_strain = found.strain_slopes.reshape(-1, len(effects))
+    columns = np.concatenate([by_motion, by_strain]) * np.array([e.scale for e in effects])
     kept: list[Effect] = []
     gauge: dict[str, tuple[str, ...]] = {}
     basis = np.empty((len(columns), 0))
@@ -343,9 +345,22 @@ def _told(base: WheelBase, effects: list[Effect]) -> tuple[list[Effect], dict[st
             told.append(column)
             basis = np.column_stack([basis, own / np.linalg.norm(own)])
             continue
+        twin = next((k for k, one in enumerate(told) if _alike(one, column)), None)
+        if twin is not None and effect.name.startswith("radius"):  # one number for wheels that only act together
+            kept[twin] = _joined(kept[twin], effect)
+            continue
         share = np.zeros(0)
         if size > 1e-9:
             A = np.stack(told, axis=1)
             share = np.abs(np.linalg.lstsq(A, column, rcond=None)[0]) * np.linalg.norm(A, axis=0) / size
         gauge[effect.name] = tuple(e.name for e, part in zip(kept, share, strict=False) if part > NAMED)
     return kept, gauge
+
+
+def _alike(a: Array, b: Array) -> bool:
+    return float(np.linalg.norm(a - b)) < OWN * float(np.linalg.norm(b))
+
+
+def _joined(one: Effect, other: Effect) -> Effect:
+    changes = tuple((field, a + b) for (field, a), (_, b) in zip(one.changes, other.changes, strict=True))
+    return Effect(f"{one.name}_and_{other.name.removeprefix('radius_')}", one.nominal, one.scale, changes)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -13,12 +13,14 @@ from holonom.errors import CalibrationError, OutOfLimits
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.calibration.clocks import truth_frame
 from holonom.mobile.calibration.derived import known_parameters
+from holonom.mobile.calibration.identifiability import helpful_run
 from holonom.mobile.calibration.limits import attainable, classical, largest_errors, within
 from holonom.mobile.calibration.parameters import Parameters, article, turned_frame, wheels_of
 from holonom.mobile.calibration.pieces import prepared, surest
 from holonom.mobile.calibration.residuals import Problem, path_lever, solve
 from holonom.mobile.calibration.runs import Motion, PathErrors, Run, dead_reckoning, need_truth, path_errors
-from holonom.mobile.calibration.uncertainty import check_excitation, noise_covariance
+from holonom.mobile.calibration.standard_runs import STANDARD_RUNS, base_of_drive
+from holonom.mobile.calibration.uncertainty import check_excitation, noise_covariance, tightness
 
 __all__ = ["Calibration", "calibrate", "held_out_errors"]
 
@@ -129,12 +131,21 @@ def calibrate(
     """
     parameters = known_parameters(drive, nominal, set_name)
     problem = Problem(_checked(runs, drive), parameters, rule, _lever(runs, lever), _weight(final_weight))
-    x = _solved(problem)
+    base = drive if isinstance(drive, WheelBase) else base_of_drive(drive, nominal or {})
+
+    def suggest(direction: Array) -> str:
+        named = helpful_run(whole, base, direction)
+        return "" if named is None else f"; {STANDARD_RUNS[named]} would tell it best"
+
+    problem = replace(problem, tightness=tightness(problem.parts(np.zeros(len(parameters.names)))))
     whole = problem
+    x = _solved(problem, suggest)
+    problem = replace(problem, tightness=tightness(problem.parts(x)))
+    x = solve(problem, x)
     problem = prepared(problem, x) if limits is not None else surest(problem, x, lever=lever)
     x = solve(problem, x)
-    covariance = noise_covariance(problem.parts(x))
-    values = check_excitation(problem.residuals(x)[1], parameters, _relative(problem, x, covariance))
+    covariance = noise_covariance(problem.parts(x), None, problem.tightness)
+    values = check_excitation(problem.residuals(x)[1], parameters, _relative(problem, x, covariance), suggest)
     _check_reach(x, parameters)
     x, bounds, growth = _limited(problem, x, known_parameters(drive, nominal), limits)
     scale = parameters.scale
@@ -179,10 +190,10 @@ def _relative(problem: Problem, x: Array, covariance: Array) -> Array:
     return covariance * np.outer(stretch, stretch)
 
 
-def _solved(problem: Problem) -> Array:
+def _solved(problem: Problem, suggest: Callable[[Array], str]) -> Array:
     """Solution from the nominal numbers, and the truth's frame turned as the directions of motion are."""
     drive = problem.drive
-    check_excitation(problem.residuals(np.zeros(len(drive.names)))[1], drive)
+    check_excitation(problem.residuals(np.zeros(len(drive.names)))[1], drive, None, suggest)
     motion = drive.motion(drive.nominal)
     turns = np.array([truth_frame(run, motion)[2] for run in problem.runs])
     return solve(problem, turned_frame(drive, float(np.angle(np.exp(1j * turns).sum()))))

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -19,12 +19,28 @@ from holonom.errors import CalibrationError, OutOfLimits, UnknownName
 from holonom.mobile.calibration.runs import Motion, Run
 
 __all__ = [
-    "DRIVES", "SETS", "DriveParameters", "Parameters", "article", "drive_parameters", "seen_from", "turned_frame",
+    "DRIVES", "SETS", "DriveParameters", "Parameters", "Sampled", "article", "drive_parameters", "seen_from", "turned_frame",
     "wheels_of",
 ]  # fmt: skip
 
 
 SETS = ("physical", "extended")
+
+
+class Sampled(NamedTuple):
+    """A run at one set of p parameters, sample by sample.
+
+    Attributes
+    ----------
+    increments, slopes : (N, 3) of the base in the truth's frame, m and rad, and their derivatives (N, 3, p).
+    strain, strain_slopes : (N, k) what wheels count beyond any motion of a rigid base, rad, and its derivatives (N, k, p);
+        k may be 0.
+    """
+
+    increments: Array
+    slopes: Array
+    strain: Array
+    strain_slopes: Array
 
 
 class Parameters(Protocol):
@@ -53,8 +69,8 @@ class Parameters(Protocol):
     def scale(self) -> Array:
         """(p,)."""
 
-    def increments(self, run: Run, p: Array) -> tuple[Array, Array]:
-        """Increments (N, 3) of the base in each sample, and their derivatives (N, 3, p)."""
+    def sampled(self, run: Run, p: Array) -> Sampled:
+        """Increments of a run, with their derivatives."""
 
     def motion(self, p: Array) -> Array | Motion:
         """What `dead_reckoning` takes."""
@@ -82,11 +98,11 @@ class DriveParameters:
     matrix: Callable[[Array], Array]
     slopes: Callable[[Array], Array]
 
-    def increments(self, run: Run, p: Array) -> tuple[Array, Array]:
-        """Increments (N, 3) of the base in each sample, and their derivatives (N, 3, p)."""
-        features = run.features
-        by_all = np.tensordot(features, self.slopes(p), axes=(1, 1))
-        return features @ self.matrix(p).T, np.ascontiguousarray(by_all)
+    def sampled(self, run: Run, p: Array) -> Sampled:
+        """Increments of a run, with their derivatives; wheels are not compared with each other."""
+        features, n = run.features, len(run.time)
+        by_all = np.ascontiguousarray(np.tensordot(features, self.slopes(p), axes=(1, 1)))
+        return Sampled(features @ self.matrix(p).T, by_all, np.empty((n, 0)), np.empty((n, 0, len(p))))
 
     def motion(self, p: Array) -> Array:
         """Motion matrix (3, f)."""
