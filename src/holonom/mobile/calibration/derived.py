@@ -304,19 +304,38 @@ def _moved(base: WheelBase, g: _Geometry, run: Run) -> tuple[Array, Array]:
     D = np.stack(rolling, axis=-2) * scale
     C = np.stack(sliding, axis=-2) * scale if sliding else D[..., :0, :]
     rows = np.concatenate([D, C * np.array(weights)[:, None]], axis=-2)
-    normal = np.swapaxes(rows, -1, -2) @ rows
-    normal = normal + 1e-12 * np.eye(3)  # a synchro drive never turns
+    normal = np.empty((*rows.shape[:-2], 3, 3), dtype=rows.dtype)  # tiny complex products are slow, sums are not
+    for i, j in ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)):
+        normal[..., i, j] = normal[..., j, i] = (rows[..., i] * rows[..., j]).sum(axis=-1)
+    normal += 1e-12 * np.eye(3)  # a synchro drive never turns
     driven = [i for i, wheel in enumerate(base.wheels) if wheel.driven for _ in KINDS[wheel.kind].speeds(wheel)]
     rims = turns * g.radius[:, None, driven]
-    v = np.linalg.solve(normal, np.swapaxes(D, -1, -2) @ rims[..., None])[..., 0]
+    v = _solved(normal, (D * rims[..., None]).sum(axis=-2))
     size = g.radius[:, None, driven]  # as turns of wheels, of which a base that is larger altogether has no more
-    apart = turns - (D @ v[..., None])[..., 0] / size
-    strain = np.concatenate([apart, (C @ v[..., None])[..., 0] / size.mean(axis=-1, keepdims=True)], axis=-1)
+    apart = turns - (D * v[..., None, :]).sum(axis=-1) / size
+    strain = np.concatenate([apart, (C * v[..., None, :]).sum(axis=-1) / size.mean(axis=-1, keepdims=True)], axis=-1)
     v = v * scale
     ahead, left, yaw = (g.frame[:, None, j] for j in range(3))
     vx, vy = v[..., 0] - left * v[..., 2], v[..., 1] + ahead * v[..., 2]
     c, s = np.cos(yaw), np.sin(yaw)
     return np.stack([c * vx + s * vy, c * vy - s * vx, v[..., 2]], axis=-1), strain
+
+
+def _solved(A: Array, b: Array) -> Array:
+    """x (..., 3) of `A x = b` for symmetric A (..., 3, 3), by the adjugate: complex steps pass through it side by side."""
+    (a, d, e), (_, f, g), (_, _, h) = (tuple(A[..., i, j] for j in range(3)) for i in range(3))
+    row = f * h - g * g, e * g - d * h, d * g - e * f
+    rest = a * h - e * e, d * e - a * g, a * f - d * d
+    x, y, z = np.moveaxis(np.broadcast_to(b, (*np.broadcast_shapes(A.shape[:-1], b.shape),)), -1, 0)
+    scale = 1.0 / (a * row[0] + d * row[1] + e * row[2])
+    return np.stack(
+        [
+            scale * (row[0] * x + row[1] * y + row[2] * z),
+            scale * (row[1] * x + rest[0] * y + rest[1] * z),
+            scale * (row[2] * x + rest[1] * y + rest[2] * z),
+        ],
+        axis=-1,
+    )
 
 
 def _told(base: WheelBase, effects: list[Effect]) -> tuple[list[Effect], dict[str, tuple[str, ...]]]:
