@@ -134,11 +134,16 @@ def ensemble() -> Figure:
 
 def bases() -> Figure:
     """Every arrangement of wheels on the way, with its centre of rotation."""
-    figure = Figure(figsize=(11.0, 6.6), layout="constrained")
+    figure = Figure(figsize=(11.0, 8.4), layout="constrained")
     moving = {
         "differential": (arrangements.differential(0.3, 0.06), (0.4, 0.0, 1.4)),
         "tricycle": (arrangements.tricycle(1.2, 0.8, 0.16), (0.4, 0.0, 0.35)),
         "ackermann": (arrangements.ackermann(2.5, 1.5, 0.32), (1.0, 0.0, 0.25)),
+        "bicycle": (arrangements.bicycle(1.1, 0.3), (0.8, 0.0, 0.4)),
+        "dual_ackermann": (arrangements.dual_ackermann(0.5, 0.4, 0.07), (0.4, 0.0, 0.5)),
+        "skid_steer": (arrangements.skid_steer(0.3, 0.4, 0.07), (0.3, 0.0, 0.6)),
+        "rocker6": (arrangements.rocker6(0.8, 0.6, 0.09), (0.3, 0.0, 0.3)),
+        "segway": (arrangements.segway(0.4, 0.1), (0.3, 0.0, 1.0)),
         "synchro": (arrangements.synchro(0.25, 0.07), (0.3, 0.2, 0.0)),
         "omni": (arrangements.omni(n=3, radius=0.2, wheel_radius=0.06), (0.3, 0.0, 1.0)),
         "mecanum": (arrangements.mecanum(0.4, 0.3, 0.08), (0.3, 0.3, 0.0)),
@@ -146,7 +151,7 @@ def bases() -> Figure:
         "sphere": (arrangements.sphere(0.11), (0.3, 0.1, 0.0)),
     }
     for k, (name, (base, twist)) in enumerate(moving.items()):
-        axes = figure.add_subplot(2, 4, k + 1)
+        axes = figure.add_subplot(3, 5, k + 1)
         draw_base_on(axes, base, twist, names=False)
         axes.set_title(name, fontsize=10)
         axes.set(xticks=[], yticks=[], xlabel="", ylabel="")

@@ -53,8 +53,8 @@ def test_motion_is_that_of_newton_and_euler() -> None:
     speeds = np.array([12.0, -9.0, 7.0, 5.0])  # wheels that are held at these speeds
     mass, inertia = 6.35, 0.5 * 6.35 * 0.0789**2
     c = np.array(COM)
-    at = np.array([(w.x, w.y) for w in plant.driven]) - c
-    along = np.array([(np.cos(w.heading), np.sin(w.heading)) for w in plant.driven])
+    at = np.array([(w.x, w.y) for w in plant.base.wheels if w.driven]) - c
+    along = np.array([(np.cos(w.heading), np.sin(w.heading)) for w in plant.base.wheels if w.driven])
     A = np.vstack([np.ones(4), at.T])
     loads = np.linalg.pinv(A) @ [mass * 9.81, 0.0, 0.0]
     rim = 0.02711 * speeds

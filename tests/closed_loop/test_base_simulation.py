@@ -11,7 +11,7 @@ from simulated_bases import BASES, DRIVE, soccer
 from holonom.closed_loop.base import simulate_base
 from holonom.closed_loop.base_log import BaseLog
 from holonom.control.base.traction import TractionSettings
-from holonom.errors import ModelError, OutOfLimits, UnknownName
+from holonom.errors import OutOfLimits, UnknownName
 from holonom.machine.base.paths import PathLimits, ReferencePath, figure_of_eight, plan_path
 from holonom.machine.base.settings import BaseSettings, Creep, slip_settings
 from holonom.mobile.drive.base_drive import BaseSensors
@@ -307,8 +307,6 @@ def test_half_the_step_gives_the_same_motion() -> None:
 
 
 def test_bad_input() -> None:
-    with pytest.raises(ModelError, match="all directions"):
-        run(base=BASES["differential"])
     with pytest.raises(UnknownName, match="wheel 9"):
         run(faults=[BaseFault(1.0, "wheel 9")])
     with pytest.raises(UnknownName, match="blocked"):

@@ -113,7 +113,7 @@ def test_it_drives_the_nearest_twist_and_no_faster_than_its_wheels() -> None:
     fast.controller.follow_velocity((20.0, 10.0, 0.0))
     fast.advance(150)
     goal = np.array([fast.controller.state[0][f"shaped_{n}"] for n in ("vx", "vy")])
-    rims = fast.controller.params.rows[:, :2] @ goal
+    rims = fast.controller.work.rows[:, :2] @ goal
     assert np.abs(rims).max() <= fast.controller.params.max_rim + 1e-9
     assert goal[0] == pytest.approx(2.0 * goal[1], rel=1e-4), "its direction stays"
 

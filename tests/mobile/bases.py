@@ -10,9 +10,14 @@ from hypothesis import strategies as st
 
 from holonom.mobile.arrangements import (
     ackermann,
+    bicycle,
     differential,
+    dual_ackermann,
     mecanum,
     omni,
+    rocker6,
+    segway,
+    skid_steer,
     sphere,
     swerve,
     synchro,
@@ -35,6 +40,11 @@ def presets() -> dict[str, WheelBase]:
         "mecanum": mecanum(0.4, 0.3, 0.05),
         "swerve": swerve(wheelbase=0.5, track=0.4, wheel_radius=0.05),
         "sphere": sphere(0.11),
+        "bicycle": bicycle(1.1, 0.3),
+        "dual_ackermann": dual_ackermann(0.5, 0.4, 0.05),
+        "skid_steer": skid_steer(0.3, 0.35, 0.06),
+        "segway": segway(0.4, 0.1),
+        "rocker6": rocker6(0.8, 0.6, 0.1),
     }
 
 

@@ -120,7 +120,9 @@ def test_car_and_tricycle_by_hand():
 
 
 def test_sphere_and_synchro_by_hand():
-    np.testing.assert_allclose(arr.sphere(0.1).wheel_speeds([0.2, -0.3, 0.5]), [2.0, -3.0, 0.5])
+    np.testing.assert_allclose(arr.sphere(0.1).wheel_speeds([0.2, -0.3, 0.0]), [2.0, -3.0])
+    with pytest.raises(InputError, match="ball"):
+        arr.sphere(0.1).wheel_speeds([0.2, -0.3, 0.5])  # the floor holds it
     synchro = arr.synchro(0.3, 0.05, n=4)
     np.testing.assert_allclose(
         synchro.twist([1.0] * 4, [0.7]), 0.05 * np.array([np.cos(0.7), np.sin(0.7), 0]), atol=1e-12
@@ -141,6 +143,8 @@ def test_every_arrangement_drives_forwards(kind):
         "differential": {"track": 0.3}, "tricycle": {"wheelbase": 1.0, "track": 0.6},
         "ackermann": {"wheelbase": 1.0, "track": 0.6}, "synchro": {"radius": 0.2}, "omni": {"n": 3, "radius": 0.2},
         "mecanum": {"wheelbase": 0.4, "track": 0.3}, "swerve": {"wheelbase": 0.4, "track": 0.3}, "sphere": {},
+        "bicycle": {"wheelbase": 1.0}, "dual_ackermann": {"wheelbase": 0.5, "track": 0.4}, "segway": {"track": 0.4},
+        "skid_steer": {"wheelbase": 0.3, "track": 0.3}, "rocker6": {"wheelbase": 0.8, "track": 0.6},
     }  # fmt: skip
     base = arrangement(kind)(**plain[kind], wheel_radius=0.05, mass=5.0, alpha=0.7, com=(0.1, 0.0), com_height=0.2)
     assert isinstance(base, WheelBase)

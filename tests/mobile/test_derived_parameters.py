@@ -49,3 +49,6 @@ def test_increments_are_those_of_the_base_and_slopes_those_of_differences(kind: 
 def test_what_cannot_be_derived_is_refused() -> None:
     with pytest.raises(UnknownName):
         derived_parameters(BASES["omni"], "all")
+    ball = m.WheelBase([m.Wheel.at("spherical", 0.0, 0.0, radius=0.1, driven=True)])
+    with pytest.raises(CalibrationError, match="drives a ball about three axes"):
+        derived_parameters(ball)

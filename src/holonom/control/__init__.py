@@ -30,7 +30,8 @@ Loops on a mobile base (compiled steps in `base.kernels`):
 `tune_wheel`             a motor's data sheet to the `WheelLoop` of its wheel, with margins
 =======================  =======================================================================
 
-Tables: `CONTROLLERS` of an arm's joints, `BASE_CONTROLLERS`, the parts above.
+Tables: `CONTROLLERS` of an arm's joints, `BASE_CONTROLLERS`, the parts above, `PATH_LAWS` for bases that roll
+forwards and turn (`path_laws`; a `PathLaw` each).
 """
 
 from holonom.control.base.path_keeping import EstimateSettings, KeepingSettings
@@ -55,11 +56,14 @@ from holonom.control.kernels import (
 )
 from holonom.control.limits import AxisLimits, Violation, drive_fault
 from holonom.control.methods import BASE_CONTROLLERS, CONTROLLERS, CascadeSettings, ComputedTorqueSettings
+from holonom.control.path_laws.contract import PathLaw
+from holonom.control.path_laws.methods import PATH_LAWS
 from holonom.control.tuning import CascadeGains, LoopMargin, SampleTimes, ServoAxis, design_cascade
 
 __all__ = [
     "BASE_CONTROLLERS",
     "CONTROLLERS",
+    "PATH_LAWS",
     "AccelerationParams",
     "AxisLimits",
     "CascadeGains",
@@ -70,6 +74,7 @@ __all__ = [
     "KeepingSettings",
     "LimitParams",
     "LoopMargin",
+    "PathLaw",
     "PiParams",
     "PositionParams",
     "SampleTimes",

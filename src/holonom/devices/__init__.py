@@ -7,6 +7,7 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 `Gear`                  signed ratio, efficiency
 `Friction`              viscous and asymmetric Coulomb
 `Encoder`               counts, longest read interval; `tracking_params` for the speed observer
+`SteeringMotor`         how fast, hard and exactly a wheel is steered
 `Gyro`                  noise and offset; `Accelerometer` and `CurrentShunt` too
 ======================  ========================================================================
 
@@ -48,6 +49,7 @@ from holonom.devices.kernels import (
 )
 from holonom.devices.methods import DEVICES
 from holonom.devices.sensors import Accelerometer, CurrentShunt, Gyro
+from holonom.devices.steering import SteeringMotor, SteeringParams
 
 __all__ = [
     "DEVICES",
@@ -62,6 +64,8 @@ __all__ = [
     "Gear",
     "GearParams",
     "Gyro",
+    "SteeringMotor",
+    "SteeringParams",
     "TrackingParams",
     "TrackingState",
     "armature_step",

@@ -30,3 +30,5 @@ class WheelSignals(NamedTuple):
     inertial: Array  # measured: (3,) turning rate, rad/s; acceleration along x and y of base_link, m/s2
     voltages: Array  # commanded: (4 k,) V
     speeds: Array  # commanded: (4 k,) of the wheels, rad/s, for drives that close their own speed loops
+    turned: Array  # measured: (4 k,) steering angles against rest, rad
+    steering: Array  # commanded: (4 k,) steering angles, rad

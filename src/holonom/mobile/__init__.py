@@ -11,7 +11,7 @@ Standing and tipping over
     `support_polygon`, `static_margin`, `zero_moment_point`, `dynamic_margin`, `acceleration_limit`, `lateral_limit`,
     `turning_speed`, `wheel_loads`.
 Motion in the plane
-    `poses`: exact arcs, composition, twists in robot and world.
+    `poses`: exact arcs, composition, twists in robot and world; `curves`: Dubins and Reeds-Shepp curves.
 What drives a base
     `BaseDrive` (data sheets of motor, gear, encoder of its wheels), `BaseSensors` (how its sensors err).
 Omni drives
@@ -24,7 +24,7 @@ Odometry
     `odometry`: wheel increments to motion, covariance, what is wrong with a log; `calibration`: UMBmark, least squares.
 """
 
-from holonom.mobile import poses
+from holonom.mobile import curves, poses
 from holonom.mobile.arrangements import (
     ackermann,
     ackermann_steering,
@@ -139,6 +139,7 @@ __all__ = [
     "contact_points",
     "copper_loss",
     "critical_force",
+    "curves",
     "degrees_of_freedom",
     "detect_slip",
     "differential",

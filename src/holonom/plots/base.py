@@ -165,7 +165,7 @@ def _axles(axes: Any, base: WheelBase, headings: list[float], box: tuple[Array, 
     length = 2.0 * float(np.linalg.norm(box[1] - box[0]))
     label = "axles: no sliding along them"
     for wheel, psi in zip(base.wheels, headings, strict=True):
-        if wheel.name in base.sliding_names:
+        if wheel.name in base.sliding_names and wheel.kind not in ("skid", "ball"):
             along = np.array([-math.sin(psi), math.cos(psi)])
             ends = np.array([wheel.x, wheel.y]) + np.outer([-length, length], along)
             axes.plot(*_xy(ends), "--", color=_AXLE, linewidth=0.8, label=label, zorder=1.0, scalex=False, scaley=False)
@@ -178,7 +178,7 @@ def _wheel(axes: Any, wheel: Wheel, psi: float) -> None:
     color = _DRIVEN if wheel.driven else _PASSIVE
     place = np.array([wheel.x, wheel.y])
     ahead, left = np.array([math.cos(psi), math.sin(psi)]), np.array([-math.sin(psi), math.cos(psi)])
-    if wheel.kind == "spherical":
+    if wheel.kind in ("spherical", "ball"):
         axes.add_patch(
             Circle((-wheel.y, wheel.x), wheel.radius, facecolor=color, edgecolor="black", alpha=0.7, zorder=3)
         )

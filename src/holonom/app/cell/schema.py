@@ -61,6 +61,7 @@ def _short() -> dict[str, Any]:
         "limits": ("ArmLimits", "what the cell allows it"),
         "base": ("BaseTable", "one mobile base"),
         "drive": ("WheelDrive", "motor, gear and encoder of each of its wheels"),
+        "steering": ("SteeringTable", "the motors that steer its wheels"),
         "gyro": ("GyroTable", "its gyro and accelerometers"),
         "control": ("BaseParts", "what its controller does about slip and dead motors"),
         "path": ("PathTable", "where it drives"),

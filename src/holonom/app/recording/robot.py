@@ -44,7 +44,7 @@ def base_words(
     base: WheelBase, counts_per_turn: int, gear_ratio: float, *, robot: str = ""
 ) -> dict[str, dict[str, str]]:
     """Return the words for a base, as `Recorder` takes them; of several robots each has words of its own name."""
-    rows = base.velocity_coupling * [1.0, 1.0, base.radius]
+    rows = base.rest_coupling * [1.0, 1.0, base.radius]
     description = {
         "name": base.name,
         "wheels": list(base.driven),

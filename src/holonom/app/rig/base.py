@@ -237,9 +237,7 @@ class BaseRig:
         found = []
         while self._faults and self._faults[0].time < until:
             fault = self._faults.pop(0)
-            name = self.job.base.driven[self.loop.plant.wheel_index(fault.wheel)]
-            text = f"the motor of {name} {'dies' if fault.kind == 'dead' else 'jams'}"
-            found.append(Event(fault.time, "warning", "plant", text))
+            found.append(Event(fault.time, "warning", "plant", fault.text(self.job.base.driven)))
         return found
 
     def _path_ended(self) -> None:

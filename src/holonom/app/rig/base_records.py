@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.app.job import BaseJob
-from holonom.app.rig.wheel_frames import wheel_frames, wheel_poses
+from holonom.app.rig.wheel_frames import framed_wheels, wheel_frames, wheel_poses
 from holonom.arrays import Array
 from holonom.closed_loop.base_kernels import LogBuffer
 from holonom.control.base.uncertainty import PoseUncertainty
@@ -30,7 +30,7 @@ from holonom.signals import (
     Sink,
     WheelContact,
 )
-from holonom.sim.base.log import columns, truth_of
+from holonom.sim.base.log import columns, of_wheels, truth_of
 
 __all__ = ["BaseRecords"]
 
@@ -60,6 +60,10 @@ class BaseRecords:
         self._sure = PoseUncertainty(settings, 1e-3)
         self._wanted = np.zeros(len(job.base.driven))  # integral of the commanded speeds, rad
         self._frames = wheel_frames(job.base)
+        framed = framed_wheels(job.base)
+        self._lanes = np.array([lane for lane, _ in framed], dtype=int)
+        self._driven = np.array([wheel.driven for _, wheel in framed], dtype=bool)
+        self._step = 2.0 * np.pi / job.drive.steering.counts_per_turn
         tree = ("map", "odom", *("base_link" for _ in self._frames)), ("odom", "base_link", *self._frames)
         self._tree = tree
         self._signals: dict[int, bool] = {}
@@ -82,8 +86,12 @@ class BaseRecords:
             self._wanted = wanted[-1] + 1e-3 * reference[-1]
         angle = self._motor * (counts + 0.5)
         at = np.arange(-first % every, len(control), every)
-        T, wheels = _poses(true.pose[at]), wheel_poses_of(self._job, true.wheel_angles[at])
-        believed, seen_wheels = _poses(seen[at]), wheel_poses_of(self._job, angle[at])
+        rolled, steered = self._rolled(log, at)
+        T, wheels = _poses(true.pose[at]), wheel_poses(self._job.base, np.eye(4), rolled, steered)
+        counted = rolled.copy()  # of free wheels nothing is measured
+        counted[:, self._driven] = angle[at][:, self._lanes[self._driven]]
+        seen_steering = self._step * (np.floor(steered / self._step) + 0.5) if self._job.base.steered else steered
+        believed, seen_wheels = _poses(seen[at]), wheel_poses(self._job.base, np.eye(4), counted, seen_steering)
         asked, commanded = (
             columns(control, "ref_x", "ref_y", "ref_theta"),
             columns(control, "ref_vx", "ref_vy", "ref_w"),
@@ -106,6 +114,12 @@ class BaseRecords:
             put(FramePoses(t, ("base_link", *self._frames), np.concatenate([T[i, None], T[i] @ wheels[i]])))
             put(FrameTree(t, *self._tree, np.concatenate([np.eye(4)[None], believed[i, None], seen_wheels[i]])))
 
+    def _rolled(self, log: LogBuffer, at: NDArray[np.int_]) -> tuple[Array, Array]:
+        """How far the wheels with frames have rolled (N, n) and are steered (N, n), rad, at some milliseconds."""
+        count = int(self._lanes.max(initial=-1)) + 1
+        rolled, turned = (of_wheels(log.wheels, name, count)[at][:, self._lanes] for name in ("angle", "turned"))
+        return rolled, turned
+
     def _digital(self, t: float, control: NDArray[np.void]) -> None:
         """Signals of a base that is alone; of several robots only the cell has signals."""
         if self._job.name:
@@ -125,9 +139,3 @@ def _poses(poses: Array) -> Array:
     T[:, 0, 1] = -T[:, 1, 0]
     T[:, :2, 3] = poses[:, :2]
     return T
-
-
-def wheel_poses_of(job: BaseJob, angles: Array) -> Array:
-    """T (N, m, 4, 4) of the driven wheels on base_link, turned by angles (N, m)."""
-    found: Array = wheel_poses(job.base, np.eye(4), angles)
-    return found

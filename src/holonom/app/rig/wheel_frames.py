@@ -1,4 +1,4 @@
-"""Frames of a base's driven wheels: what they are called in a recording, and where they are."""
+"""Frames of a base's wheels that are seen to turn: what they are called in a recording, and where they are."""
 
 from __future__ import annotations
 
@@ -6,30 +6,41 @@ import numpy as np
 
 from holonom.arrays import Array
 from holonom.mobile import Wheel, WheelBase
+from holonom.mobile.drive.base_drive import standing_wheels
 
-__all__ = ["wheel_frames", "wheel_poses"]
+__all__ = ["framed_wheels", "wheel_frames", "wheel_poses"]
+
+
+def framed_wheels(base: WheelBase) -> list[tuple[int, Wheel]]:
+    """Wheels with a frame of their own, with their lanes: the driven ones, then those that are steered only.
+
+    Balls have none.
+    """
+    return [
+        (lane, wheel)
+        for lane, wheel in enumerate(standing_wheels(base))
+        if wheel.kind not in ("ball", "spherical") and (wheel.driven or wheel.kind == "steered")
+    ]
 
 
 def wheel_frames(base: WheelBase) -> tuple[str, ...]:
-    """Names of the frames that turn with the driven wheels."""
-    return tuple(f"wheel_{number}" for number in range(1, len(base.driven) + 1))
+    """Names of the frames that turn with those wheels."""
+    return tuple(f"wheel_{number}" for number in range(1, len(framed_wheels(base)) + 1))
 
 
-def wheel_poses(base: WheelBase, T_base: Array, angles: Array) -> Array:
-    """World poses (..., m, 4, 4) of the driven wheels turned by `angles` (..., m), on a base at T_base (..., 4, 4).
+def wheel_poses(base: WheelBase, T_base: Array, angles: Array, turned: Array) -> Array:
+    """World poses (..., n, 4, 4) of those wheels turned by `angles` (..., n), steered by `turned` (..., n), rad.
 
-    y lies along the axle.
+    The base is at T_base (..., 4, 4); y lies along the axle.
     """
-    wheels = _driven(base)
-    angle, c, s = np.asarray(angles), *((f([wheel.heading for wheel in wheels])) for f in (np.cos, np.sin))
-    turned, lifted = np.cos(angle), np.sin(angle)
+    wheels = [wheel for _, wheel in framed_wheels(base)]
+    angle = np.asarray(angles)
+    heading = np.array([wheel.heading for wheel in wheels]) + turned
+    c, s = np.cos(heading), np.sin(heading)
+    rolled, lifted = np.cos(angle), np.sin(angle)
     T = np.zeros((*angle.shape, 4, 4))
-    T[..., 0, 0], T[..., 0, 1], T[..., 0, 2] = c * turned, -s, c * lifted
-    T[..., 1, 0], T[..., 1, 1], T[..., 1, 2] = s * turned, c, s * lifted
-    T[..., 2, 0], T[..., 2, 2], T[..., 3, 3] = -lifted, turned, 1.0
-    T[..., :3, 3] = [(wheel.x, wheel.y, wheel.radius) for wheel in wheels]
+    T[..., 0, 0], T[..., 0, 1], T[..., 0, 2] = c * rolled, -s, c * lifted
+    T[..., 1, 0], T[..., 1, 1], T[..., 1, 2] = s * rolled, c, s * lifted
+    T[..., 2, 0], T[..., 2, 2], T[..., 3, 3] = -lifted, rolled, 1.0
+    T[..., :3, 3] = np.array([(wheel.x, wheel.y, wheel.radius) for wheel in wheels]).reshape(-1, 3)
     return np.asarray(T_base)[..., None, :, :] @ T
-
-
-def _driven(base: WheelBase) -> list[Wheel]:
-    return [wheel for wheel in base.wheels if wheel.driven]

@@ -7,9 +7,12 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
 from holonom.app.cell.build.base import unsimulated
 from holonom.app.start.text import angle, length, quoted, rows
 from holonom.errors import InputError, UnknownName
+from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.methods import ARRANGEMENTS
 from holonom.registry import Field
 
@@ -17,14 +20,29 @@ __all__ = ["BaseStart", "base_starts", "runnable"]
 
 Rows = list[tuple[str, str]]
 
-CIRCLE: Rows = [
-    ("[robot.path]", "or `velocity`, or `hold`"),
-    ('shape = "circle"', "'holonom methods paths' lists them"),
-    ('size = "600mm"', "its diameter"),
-    ('speed = "0.6m/s"', "the greatest on it"),
-    ('acceleration = "0.6m/s2"', "the greatest on it, along and across together"),
-    ('heading = "tangent"', 'it looks along the path; or "fixed"'),
-]
+SMALLEST = 0.6
+"""m, diameter of a circle that is driven first."""
+ROOM = 3.0
+"""Diameter of that circle over the distance of the farthest wheel, where wheels steer or skid."""
+
+
+def _circle(base: WheelBase, scale: float) -> Rows:
+    """A circle that the wheels can be steered around."""
+    turns = any(wheel.kind in ("steered", "skid") for wheel in base.wheels)
+    size = max(SMALLEST, ROOM * scale * max(wheel.l for wheel in base.wheels) if turns else 0.0)
+    slow = any(wheel.kind == "skid" for wheel in base.wheels)
+    speed = 0.3 if slow else round(math.sqrt(SMALLEST * size), 1)
+    heading = "tangent" if np.isfinite(base.turning_radius) else "fixed"
+    return [
+        ("[robot.path]", "or `velocity`, or `hold`"),
+        ('shape = "circle"', "'holonom methods paths' lists them"),
+        (f"size = {quoted(length(math.ceil(10.0 * size) / 10.0))}", "its diameter"),
+        (f'speed = "{speed:g}m/s"', "the greatest on it"),
+        (f'acceleration = "{speed:g}m/s2"', "the greatest on it, along and across together"),
+        (f'heading = "{heading}"', 'it looks along the path ("tangent"), or the same way ("fixed")'),
+    ]
+
+
 AHEAD: Rows = [
     ("[robot.path]", "or `velocity`, or `hold`"),
     ('shape = "waypoints"', "'holonom methods paths' lists them"),
@@ -87,7 +105,8 @@ def base_starts(
         One that cannot be simulated yet.
     """
     _check(arrangement)
-    for task in (AHEAD if signals else CIRCLE, VELOCITIES):
+    first = AHEAD if signals else _circle(_example(arrangement), scale)
+    for task in (first, VELOCITIES):
         yield BaseStart(arrangement, task, scale, mass, signals)
 
 
@@ -109,10 +128,15 @@ def _check(arrangement: str) -> None:
 def _why_not(arrangement: str) -> str | None:
     """Why an arrangement cannot run with the examples of its table, None where it can."""
     try:
-        base = ARRANGEMENTS.make(arrangement, {field.name: given for field, given in _examples(arrangement)})
+        base = _example(arrangement)
     except InputError as problem:
         return str(problem)
     return unsimulated(base)
+
+
+def _example(arrangement: str) -> WheelBase:
+    found: WheelBase = ARRANGEMENTS.make(arrangement, {field.name: given for field, given in _examples(arrangement)})
+    return found
 
 
 def _examples(arrangement: str) -> list[tuple[Field, Any]]:

@@ -26,7 +26,6 @@ __all__ = [
     "estimate_step",
     "ground_speed",
     "keeping_step",
-    "line_keeping_step",
     "pose_step",
     "reference_at",
     "traction_step",
@@ -39,7 +38,6 @@ __all__ = [
 
 WORKS, OPEN, JAMMED = 0, 1, 2
 """What the watch says of a motor."""
-SLOW = 0.2  # m/s, below which a base that cannot move sideways does not turn harder towards its path
 MOST_BIAS = 0.02  # rad/s, of a difference between gyro and wheels that counts for the gyro's zero
 
 
@@ -152,34 +150,6 @@ def keeping_step(
     command = Planar(bx + dx, by + dy, before.turn + _clip(ut - before.turn, dt * params.max_turn_acceleration))
     ahead = Planar(d * reference[6] - e * reference[7], e * reference[6] + d * reference[7], reference[8])
     return command, ahead, Planar(ix, iy, it)
-
-
-@loop(error_model="numpy")
-def line_keeping_step(
-    params: KeepingParams, reference: Array, pose: Planar, before: Planar
-) -> tuple[Planar, Planar, Planar]:
-    """`keeping_step` of a base that cannot move sideways: it turns towards the path instead; no integral.
-
-    Errors in robot axes and forward speed as Kanayama et al. (ICRA 1990), `v = v_r cos e_theta + k e_x`; turning
-    `w = w_r + h sin e_theta + h^2 / (4 v_r) e_y` is critically damped at every speed above `SLOW`.
-    """
-    s, c = sincos(pose.turn)
-    wx, wy = reference[0] - pose.x, reference[1] - pose.y
-    turn = reference[2] - pose.turn
-    turn -= 2.0 * math.pi * math.floor(turn / (2.0 * math.pi) + 0.5)
-    along, across = c * wx + s * wy, c * wy - s * wx
-    e, d = sincos(turn)
-    h, v = params.heading_gain, reference[3]
-    speed = d * v + _clip(params.position_gain * along, params.max_correction)
-    steer = 0.25 * h * h * v / max(v * v, SLOW * SLOW)
-    rate = reference[5] + _clip(h * e + steer * across, params.max_turn_correction)
-    dt = params.dt
-    command = Planar(
-        before.x + _clip(speed - before.x, dt * params.max_acceleration),
-        0.0,
-        before.turn + _clip(rate - before.turn, dt * params.max_turn_acceleration),
-    )
-    return command, Planar(reference[6], reference[7], reference[8]), Planar(0.0, 0.0, 0.0)
 
 
 @loop(error_model="numpy")

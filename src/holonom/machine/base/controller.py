@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from holonom.arrays import Array, finite_array, real_array
 from holonom.control import ServoAxis
 from holonom.control.base.force_kernels import Body
+from holonom.control.base.kernels import EstimateParams
 from holonom.control.base.traction import TractionSettings, WatchSettings
 from holonom.control.base.tuning import WheelLoop, tune_wheel
 from holonom.devices import tracking_params
@@ -20,12 +21,14 @@ from holonom.machine.base.kernels import HOLD, PATH, RUNNING, VELOCITY, control_
 from holonom.machine.base.params import BaseParams, BaseTask, Work
 from holonom.machine.base.records import CONTROL_STATE, KNOWN_WHEEL, SEEN_WHEEL
 from holonom.machine.base.settings import KEEP, BaseSettings, Creep, slip_settings
+from holonom.machine.base.steering_kernels import SteeredParams, look_at_wheels
 from holonom.machine.base.wheel_kernels import share_force
+from holonom.mobile.base.drivable import moves_sideways
 from holonom.mobile.base.dynamics import inertia_over_mass
-from holonom.mobile.base.wheel import Wheel
+from holonom.mobile.base.wheel import KINDS, Wheel
 from holonom.mobile.base.wheel_base import WheelBase
-from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive, base_mass, rest_loads, roller_cosines
-from holonom.mobile.drive.coupling import coupling_of
+from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive, base_mass, rest_loads, roller_cosines, standing_wheels
+from holonom.mobile.drive.coupling import coupling_at_rest
 from holonom.mobile.drive.slip import SlipSettings, detectable, slip_params
 from holonom.mobile.drive.slip_kernels import BOUND, NO_SLIP, UNDETECTABLE, SlipParams
 from holonom.trace.call.records import aligned_records, side_by_side
@@ -74,9 +77,9 @@ class BaseController:
         creep: Creep = Creep(0.0, 1.0),
     ) -> None:
         self.base, self.drive, self.settings = base, drive, settings
-        driven = [wheel for wheel in base.wheels if wheel.driven]
-        self.radii = np.array([wheel.radius for wheel in driven])
-        rows = np.ascontiguousarray(base.velocity_coupling * [1.0, 1.0, base.radius])
+        driven = [wheel for wheel in base.wheels if wheel.driven for _ in KINDS[wheel.kind].speeds(wheel)]
+        self.radii = base.wheel_radii
+        rows = np.ascontiguousarray(base.rest_coupling * [1.0, 1.0, base.radius])
         self.loop = _wheel_loop(base, drive)
         """Tuned speed loop of the wheels, with its margins."""
         self.params = _params(base, drive, settings, settings.creep or creep, rows, self.radii)
@@ -89,13 +92,16 @@ class BaseController:
         seen = np.zeros(len(driven), SEEN_WHEEL)
         seen["works"] = seen["cut"] = 1.0
         self.states = side_by_side(seen, works=0.0)
-        lanes, trusted = WIDTH * len(self.states), len(self.params.estimate_rows)
+        estimate_rows = np.ascontiguousarray(np.vstack([rows, base.sliding_matrix()]))
+        lanes, trusted = WIDTH * len(self.states), len(estimate_rows)
         self.work = Work(
+            rows, estimate_rows,
             np.ones(trusted), self.params.bearing.copy(), np.zeros((len(driven), 3)), np.zeros(max(lanes, trusted)),
             np.zeros(lanes), np.zeros(lanes), np.full(3, np.nan), np.zeros(9),
         )  # fmt: skip
         self.task = BaseTask(NO_PATH)
-        share_force(self.params.pull_rows, self.params.pull, self.work.weights, self.work.share, self.states)
+        if self.params.steered is None:
+            share_force(self.params.pull_rows, self.params.pull, self.work.weights, self.work.share, self.states)
         slip = self.state["slip"][0]
         for name in ("slack", "angular_slack", "held_slack", "held_angular_slack"):
             slip[name] = math.inf
@@ -120,7 +126,9 @@ class BaseController:
             state[f"command_{name}"] = state[f"shaped_{name}"] = state[f"seen_{name}"]
         states["count"].flat[:] = (signals.counters + 0x8000) % 0x10000 - 0x8000
         states["seen_angle"] = states["counted"] = (states["count"] + 0.5) * self.wheels["encoder"]["resolution"]
-        speeds = self.params.rows @ twist / self.radii
+        if self.params.steered is not None:
+            look_at_wheels(self.params.steered, signals, self.work.rows, self.work.estimate_rows, self.wheels)
+        speeds = self.work.rows @ twist / self.radii
         states["seen_speed"].flat[: len(speeds)] = ratio.flat[: len(speeds)] * speeds
         self.hold()
 
@@ -213,33 +221,30 @@ def _three(twist: Sequence[float] | Array) -> tuple[float, float, float]:
 def _params(
     base: WheelBase, drive: BaseDrive, settings: BaseSettings, creep: Creep, rows: Array, radii: Array
 ) -> BaseParams:
-    mass, loads, cosines = base_mass(base), rest_loads(base), roller_cosines(base)
+    mass, each = base_mass(base), _wheel_of_row(base)
+    loads, cosines = rest_loads(base)[each], roller_cosines(base)[each]
     bearing = np.maximum(loads, LEAST_LOAD * mass * GRAVITY)
     most = _max_force(drive, radii, cosines * bearing, settings.friction)
-    coupling = coupling_of(base)
+    coupling = coupling_at_rest(base)
     inverse = np.linalg.pinv(coupling.velocity)
-    sideways = bool(np.linalg.matrix_rank(rows) == 3)
-    slip = settings.slip if detectable(coupling) else None  # without redundancy nothing contradicts a wheel
+    slip = settings.slip if not base.steered and detectable(coupling) else None
     if isinstance(slip, str):
         slip = slip_settings(settings.sensors, drive, float(radii.max()))
     slipping = slip_params(coupling, slip) if slip is not None else _no_slip_params(len(rows))
     motor, gear = drive.motor, drive.gear
     force_per_ampere = motor.torque_constant * gear.ratio * gear.efficiency / radii
-    sliding = base.sliding_matrix()
-    drivable = base.feasible(np.eye(3)).T
-    drivable[np.abs(drivable) < 1e-12] = 0.0
+    drivable = base.steerable
     first = np.array(FIRST[settings.keep]) * [1.0, 1.0, 1.0 if settings.keep == "both" else 1.0 / base.radius]
     scale = np.array([1.0, 1.0, base.radius])
     momentum = mass * inertia_over_mass(base.radius, base.alpha, base.com) * np.outer(scale, scale)
     return BaseParams(
         keeping=settings.keeping.params(TICK),
         shaping=settings.shaping.params(TICK),
-        estimate=settings.estimate.params(TICK),
+        estimate=_estimate_params(base, settings),
         traction=(settings.traction or TractionSettings()).params(TICK),
         watch=(settings.watch or WatchSettings()).params(TICK),
         slip=slipping,
-        rows=rows,
-        estimate_rows=np.ascontiguousarray(np.vstack([rows, sliding])),
+        steered=_steered_params(base, drive) if base.steered else None,
         drivable=np.ascontiguousarray(drivable),
         residual=np.eye(len(rows)) - coupling.velocity @ inverse,
         inverse=np.ascontiguousarray(inverse),
@@ -256,10 +261,38 @@ def _params(
         max_rim=motor.no_load_speed / abs(gear.ratio) * float(radii.min()),
         path_force=RESERVE * most,
         rate_change=RATE_CHANGE,
-        sideways=sideways,
+        sideways=moves_sideways(base),
         detect=slip is not None,
         control_traction=settings.traction is not None,
         compensate=settings.watch is not None,
+    )
+
+
+def _wheel_of_row(base: WheelBase) -> list[int]:
+    """Which driven wheel each driven row belongs to: a ball has two."""
+    driven = [wheel for wheel in base.wheels if wheel.driven]
+    return [k for k, wheel in enumerate(driven) for _ in KINDS[wheel.kind].speeds(wheel)]
+
+
+def _estimate_params(base: WheelBase, settings: BaseSettings) -> EstimateParams:
+    """Wheels that skid do not tell how fast the base turns, so nothing of the gyro's zero."""
+    params = settings.estimate.params(TICK)
+    return params._replace(bias_gain=0.0) if any(wheel.kind == "skid" for wheel in base.wheels) else params
+
+
+def _steered_params(base: WheelBase, drive: BaseDrive) -> SteeredParams:
+    """Wheels of a base that steers; their lanes in the signals are those of `standing_wheels`."""
+    standing = [wheel.name for wheel in standing_wheels(base)]
+    slides = [k for k, wheel in enumerate(base.wheels) if wheel.name in base.sliding_names]
+    radius = base.turning_radius
+    return SteeredParams(
+        places=np.array([(*wheel.acting, wheel.heading) for wheel in base.wheels]),
+        limits=np.array([math.inf if wheel.max_steering is None else wheel.max_steering for wheel in base.wheels]),
+        lanes=np.array([standing.index(w.name) if w.kind == "steered" else -1 for w in base.wheels], dtype=np.int64),
+        driven=np.array([k for k, wheel in enumerate(base.wheels) if wheel.driven], dtype=np.int64),
+        sliding=np.array(slides, dtype=np.int64),
+        curvature=1.0 / max(radius, 1e-9),
+        ahead=drive.steering.lag,
     )
 
 
@@ -289,7 +322,7 @@ def _max_force(drive: BaseDrive, radii: Array, loads: Array, friction: float) ->
 
 def _wheel_loop(base: WheelBase, drive: BaseDrive) -> WheelLoop:
     """Tune for the largest share of the base that the wheels carry in any of its motions."""
-    coupling = coupling_of(base)
+    coupling = coupling_at_rest(base)
     S = coupling.motions
     inertia = S.T @ inertia_over_mass(base.radius, base.alpha, base.com) @ S * base_mass(base)
     mobile = np.linalg.svd(coupling.velocity @ S @ np.linalg.inv(np.linalg.cholesky(inertia)).T, compute_uv=False)

@@ -18,14 +18,15 @@ from holonom.control.base.kernels import (
     Planar,
     estimate_step,
     keeping_step,
-    line_keeping_step,
     pose_step,
     reference_at,
     wanted_acceleration,
 )
 from holonom.control.base.shaping_kernels import drivable_twist, shaping_step
+from holonom.control.path_laws.kanayama import line_keeping_step
 from holonom.devices.drive_signals import WheelSignals
 from holonom.machine.base.params import BaseParams, BaseTask, Work
+from holonom.machine.base.steering_kernels import SteeredParams, bend, look_at_wheels, share_along, steer
 from holonom.machine.base.wheel_kernels import (
     control_traction,
     creep,
@@ -81,13 +82,15 @@ def control_step(
     """From what is measured to voltages, in `signals`; all that evolves is in `state`, `states` and `work`."""
     base = state[0]
     base.gyro, base.imu_x, base.imu_y = signals.inertial[0], signals.inertial[1], signals.inertial[2]
+    _look(params.steered, signals, work, wheels)
     _sense(params, signals, wheels, states, work)
     _detect(params, base, work)
     _react(params, task.path, base, wheels, states, work)
     change = max(min((base.goal - base.rate) / params.keeping.dt, params.rate_change), -params.rate_change)
-    twist = _estimate(params.estimate, params.estimate_rows, base, work)
-    _refer(params, task.path, base, change, work.now)
+    twist = _estimate(params.estimate, work.estimate_rows, base, work)
+    _refer(params, task.path, base, change, work.rows, work.now)
     command, ahead = _keep(params, base, work.now)
+    _steer(params.steered, command, ahead, signals, work, states)
     if base.lame != 0 and params.keep != KEEP_BOTH:
         command = _given_up(params, base, command, twist)
     wanted = wanted_acceleration(params.keeping, command, twist, ahead)
@@ -134,7 +137,7 @@ def _sense(params: BaseParams, signals: WheelSignals, wheels: Records, states: R
         store(work.rims, i, own.rim)
         used = load(params.grip_per_ampere, i) * own.measured_current
         store(work.gripping, i, own.rim - creep(load(params.creep, i), used))
-    for i in range(len(params.rows), len(params.estimate_rows)):
+    for i in range(len(work.rows), len(work.estimate_rows)):
         work.rims[i] = 0.0
 
 
@@ -145,7 +148,7 @@ def _detect(params: BaseParams, base: Any, work: Work) -> None:
         if base.steady != 0:
             _keep_slip(base.slip, _no_slip(params.inverse, work.last))
         work.acceleration[0], work.acceleration[1] = base.imu_x, base.imu_y
-        wheels = work.gripping[: len(params.rows)]
+        wheels = work.gripping[: len(work.rows)]
         after, found = slip_step(params.slip, base.slip, wheels, base.gyro - base.gyro_bias, work.acceleration)
         _keep_slip(base.slip, after)
         base.status, base.flagged = found.status, found.named
@@ -156,14 +159,15 @@ def _detect(params: BaseParams, base: Any, work: Work) -> None:
 @loop(error_model="numpy", forceinline=True)
 def _react(params: BaseParams, path: Array, base: Any, wheels: Records, states: Records, work: Work) -> None:
     """Leave out wheels that slip and motors that are lost; drive slower, or stop, where the others must not push so."""
-    m = len(params.rows)
+    m = len(work.rows)
     lost = watch_motors(params.watch, wheels, states, m, base, base.jams != 0) if params.compensate else 0
     if lost == base.dead and base.flagged == base.named:
         return
     new = lost != base.dead
     base.named, base.dead = base.flagged, lost
     base.jams = set_weights(params.control_traction, params.bearing, states, base.named, work.trust, work.weights)
-    share_force(params.pull_rows, params.pull, work.weights, work.share, states)
+    if params.steered is None:
+        share_force(params.pull_rows, params.pull, work.weights, work.share, states)
     _lame(params, base, work)
     if new and base.jams != 0:
         base.goal = 0.0
@@ -173,12 +177,12 @@ def _react(params: BaseParams, path: Array, base: Any, wheels: Records, states: 
 
 
 @loop(error_model="numpy", forceinline=True)
-def _refer(params: BaseParams, path: Array, base: Any, change: float, now: Array) -> None:
+def _refer(params: BaseParams, path: Array, base: Any, change: float, rows: Array, now: Array) -> None:
     """Reference of this sample: on the path, the twist that was asked for within limits, or the pose that is held."""
     if base.mode == PATH:
         reference_at(path, base.phase, base.rate, change, now)
     elif base.mode == VELOCITY:
-        _shape(params, base, now)
+        _shape(params, base, rows, now)
     else:
         now[:] = 0.0
         now[0], now[1], now[2] = base.hold_x, base.hold_y, base.hold_theta
@@ -187,13 +191,13 @@ def _refer(params: BaseParams, path: Array, base: Any, change: float, now: Array
 
 
 @loop(error_model="numpy", forceinline=True)
-def _shape(params: BaseParams, base: Any, now: Array) -> None:
+def _shape(params: BaseParams, base: Any, rows: Array, now: Array) -> None:
     """Nearest drivable twist to the one asked for, zero once that is too old, within speed, acceleration and jerk."""
     shaping = params.shaping
     base.age += 1
     part = base.rate if base.age * shaping.dt <= shaping.timeout else 0.0
     wanted = Planar(part * base.wanted_vx, part * base.wanted_vy, part * base.wanted_w)
-    goal = drivable_twist(params.drivable, params.rows, wanted, params.max_rim)
+    goal = drivable_twist(params.drivable, rows, wanted, params.max_rim)
     base.shaped_vx, base.shaped_ax = shaping_step(shaping.dt, shaping.forwards, base.shaped_vx, base.shaped_ax, goal.x)
     base.shaped_vy, base.shaped_ay = shaping_step(shaping.dt, shaping.sideways, base.shaped_vy, base.shaped_ay, goal.y)
     base.shaped_w, base.shaped_aw = shaping_step(shaping.dt, shaping.turning, base.shaped_w, base.shaped_aw, goal.turn)
@@ -226,9 +230,39 @@ def _keep(params: BaseParams, base: Any, reference: Array) -> tuple[Planar, Plan
         command, ahead, grown = keeping_step(params.keeping, reference, pose, base.seen_w, integral, before)
     else:
         command, ahead, grown = line_keeping_step(params.keeping, reference, pose, before)
+    command = _allowed(params.steered, params.drivable, command)
     base.command_vx, base.command_vy, base.command_w = command.x, command.y, command.turn
     base.integral_x, base.integral_y, base.integral_theta = grown.x, grown.y, grown.turn
     return command, ahead
+
+
+@loop(error_model="numpy", forceinline=True)
+def _allowed(steered: SteeredParams | None, drivable: Array, command: Planar) -> Planar:
+    """The command without what no steering makes wheels roll along."""
+    x = drivable[0, 0] * command.x + drivable[0, 1] * command.y + drivable[0, 2] * command.turn
+    y = drivable[1, 0] * command.x + drivable[1, 1] * command.y + drivable[1, 2] * command.turn
+    turn = drivable[2, 0] * command.x + drivable[2, 1] * command.y + drivable[2, 2] * command.turn
+    if steered is not None:
+        return bend(steered, Planar(x, y, turn))
+    return Planar(x, y, turn)
+
+
+@loop(error_model="numpy", forceinline=True)
+def _look(steered: SteeredParams | None, signals: WheelSignals, work: Work, wheels: Records) -> None:
+    if steered is not None:
+        look_at_wheels(steered, signals, work.rows, work.estimate_rows, wheels)
+
+
+@loop(error_model="numpy", forceinline=True)
+def _steer(
+    steered: SteeredParams | None, command: Planar, ahead: Planar, signals: WheelSignals, work: Work, states: Records
+) -> None:
+    """Steer for the twist that is to be, once the motors have followed; share force along it."""
+    if steered is not None:
+        t = steered.ahead
+        soon = Planar(command.x + t * ahead.x, command.y + t * ahead.y, command.turn + t * ahead.turn)
+        steer(steered, soon, signals)
+        share_along(work.rows, work.weights, soon, states)
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -237,8 +271,8 @@ def _lame(params: BaseParams, base: Any, work: Work) -> None:
     base.lame = 0
     if base.dead == 0:
         return
-    ux, uy, uw, found = unseen_twist(params.rows, work.weights)
-    if found and params.sideways:
+    ux, uy, uw, found = unseen_twist(work.rows, work.weights)
+    if found and params.sideways and params.steered is None:
         base.lame, base.unseen_x, base.unseen_y, base.unseen_turn = 1, ux, uy, uw
 
 

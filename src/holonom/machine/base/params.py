@@ -8,6 +8,7 @@ from holonom.arrays import Array
 from holonom.control.base.force_kernels import Body
 from holonom.control.base.kernels import EstimateParams, KeepingParams, TractionParams, WatchParams
 from holonom.control.base.shaping_kernels import ShapingParams
+from holonom.machine.base.steering_kernels import SteeredParams
 from holonom.mobile.drive.slip_kernels import SlipParams
 
 __all__ = ["BaseParams", "BaseTask", "Work"]
@@ -22,9 +23,8 @@ class BaseParams(NamedTuple):
     traction: TractionParams
     watch: WatchParams
     slip: SlipParams
-    rows: Array  # (m, 3) rim speeds per (vx, vy, w)
-    estimate_rows: Array  # (m + k, 3) the same, and k directions in which no wheel lets the base move
-    drivable: Array  # (3, 3) twist to the nearest one that drags no wheel
+    steered: SteeredParams | None  # None: no wheel steers
+    drivable: Array  # (3, 3) twist to the nearest one that drags no wheel, once those that steer have turned
     residual: Array  # (m, m) 1 - D D^+
     inverse: Array  # (3, m) D^+: (vx, vy, R w) per rim speed
     quiet: float  # square sum of the residual, (m/s)^2, up to which nothing slips; below 0: ask the detector always
@@ -40,7 +40,7 @@ class BaseParams(NamedTuple):
     max_rim: float  # m/s that a wheel reaches
     path_force: Array  # (m,) N that a path which is slowed down may need of each wheel
     rate_change: float  # 1/s, how fast the path may be slowed down
-    sideways: bool  # whether it can move in all directions
+    sideways: bool  # whether it can move along y at once
     detect: bool  # slip detection: leave the slipping wheel out of estimate and allocation
     control_traction: bool
     compensate: bool  # watch the motors, allocate without the dead
@@ -53,8 +53,10 @@ class BaseTask(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Arrays of the controller: `trust`, `weights`, `share` and `last` are kept, the others are scratch."""
+    """Arrays of the controller: `rows`, `trust`, `weights`, `share` and `last` are kept, the others are scratch."""
 
+    rows: Array  # (m, 3) rim speeds per (vx, vy, w), as the wheels are steered
+    estimate_rows: Array  # (m + k, 3) the same, and k directions in which no wheel lets the base move
     trust: Array  # (m + k,) which wheels are believed, and the directions in which none moves
     weights: Array  # (m,) how much they are asked for force
     share: Array  # (m, 3) their rim forces per force on the base

@@ -55,6 +55,9 @@ def pose_uncertainty(
 
 def _creep(base: WheelBase, slope: float) -> tuple[float, float, Array]:
     """False velocity per acceleration ahead and to the left, s; false turning (PARTS,), rad/s, at 1 m/s^2 any way."""
+    if base.steered or len(base.driven) != sum(wheel.driven for wheel in base.wheels):
+        creep = MORE * slope / GRAVITY  # every wheel uses the part of its grip that the base uses of its weight
+        return creep, creep, np.zeros(PARTS)
     D, mass = base.velocity_coupling * [1.0, 1.0, base.radius], base_mass(base)
     angle = 2.0 * np.pi * np.arange(PARTS) / PARTS
     a = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle])

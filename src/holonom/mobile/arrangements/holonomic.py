@@ -123,5 +123,5 @@ def sphere(wheel_radius: float, **body: Unpack[Body]) -> WheelBase:
 
     It goes any way and does not turn: the floor's friction holds the ball against spinning.
     """
-    ball = Wheel.at("spherical", 0.0, 0.0, radius=wheel_radius, driven=True, name="ball")
+    ball = Wheel.at("ball", 0.0, 0.0, radius=wheel_radius, driven=True, name="ball")
     return body_of("sphere", [ball], body)

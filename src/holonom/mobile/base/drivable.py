@@ -10,18 +10,25 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from holonom.arrays import Array
 from holonom.mobile.base.dynamics import free_motions
 from holonom.mobile.base.wheel import Wheel
+from holonom.mobile.equations.base_models import Layout
 from holonom.mobile.equations.wheels import rolling_row, sliding_row, unit
 
-__all__ = ["Wedges", "tightest_curve"]
+__all__ = ["Wedges", "moves_sideways", "tightest_curve", "wedges_of"]
 
 ROUNDING = 1e-9
 """Of a twist, by which it may lie outside a wedge; part of a radian by which it is kept inside."""
+
+
+SMALL = 1e-12  # of a matrix's entries
 
 
 class Wedges:
@@ -38,12 +45,19 @@ class Wedges:
     """
 
     def __init__(self, wheels: list[tuple[Wheel, float]], held: Array, radius: float) -> None:
-        self.held, scale = held, np.array([1.0, 1.0, 1.0 / radius])
+        self.held, self.radius, scale = held, radius, np.array([1.0, 1.0, 1.0 / radius])
         bound = [(wheel, limit) for wheel, limit in wheels if limit < 0.5 * math.pi - ROUNDING]
         self.slope = np.array([math.tan(limit) * (1.0 - ROUNDING) for _, limit in bound])
         places = [(wheel.x, wheel.y, *unit(wheel.axle)) for wheel, _ in bound]
         self.along = np.array([rolling_row(*place) for place in places], dtype=float).reshape(-1, 3) * scale
         self.across = np.array([sliding_row(*place) for place in places], dtype=float).reshape(-1, 3) * scale
+
+    @property
+    def projector(self) -> Array:
+        """(3, 3): a twist (vx, vy, w) to the nearest one that drags no fixed wheel."""
+        free, scale = free_motions(self.held), np.array([1.0, 1.0, self.radius])
+        found: Array = (free @ free.T) * scale / scale[:, None]
+        return np.where(np.abs(found) < SMALL, 0.0, found)
 
     @property
     def edges(self) -> Array:
@@ -77,6 +91,23 @@ class Wedges:
         return found
 
 
+def wedges_of(layout: Layout, limits: Sequence[float], names: Sequence[str], sliding: Array, radius: float) -> Wedges:
+    """The wedges of a base: limits of its steering angles, and its sliding rows (s, 3) with their wheels' names."""
+    limited = [(layout.wheels[i], limit) for group, limit in zip(layout.groups, limits, strict=True) for i in group]
+    steered = {layout.wheels[i].name for group in layout.groups for i in group}
+    held = sliding[[name not in steered for name in names]] * np.array([1.0, 1.0, 1.0 / radius])
+    return Wedges(limited, _together(layout, held), radius)
+
+
+def _together(layout: Layout, held: Array) -> Array:
+    """The sliding rows of fixed wheels, and that a base whose wheels all steer as one does not turn."""
+    shared = [group for group in layout.groups if len(group) > 1]
+    lone = any(len(group) == 1 for group in layout.groups)
+    apart = [len({(layout.wheels[i].x, layout.wheels[i].y) for i in group}) > 1 for group in shared]
+    never = np.array([[0.0, 0.0, 1.0]]) if any(apart) and not lone and not len(held) else np.empty((0, 3))
+    return np.concatenate([held, never])
+
+
 def tightest_curve(wedges: Wedges, radius: float) -> float:
     """Radius, m, of the tightest curve that base_link can drive to the left as well as to the right.
 
@@ -100,3 +131,13 @@ def tightest_curve(wedges: Wedges, radius: float) -> float:
 def _subsets(rows: Array, most: int) -> list[Array]:
     """Sets of up to so many rows less one: spans of at least one dimension."""
     return [rows[list(k)] for n in range(most) for k in itertools.combinations(range(len(rows)), n)]
+
+
+class _Drivable(Protocol):
+    def feasible(self, twist: ArrayLike) -> Array: ...
+
+
+def moves_sideways(base: _Drivable) -> bool:
+    """Whether a base can move along y at once, wherever it looks."""
+    aside = np.array([0.0, 1.0, 0.0])
+    return bool(np.abs(base.feasible(aside) - aside).max() < 1e-6)

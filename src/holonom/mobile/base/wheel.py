@@ -22,7 +22,7 @@ class Wheel:
     Parameters
     ----------
     kind
-        "fixed", "steered", "castor", "swedish", "skid" or "spherical": a name of `KINDS`.
+        "fixed", "steered", "castor", "swedish", "skid", "spherical" or "ball": a name of `KINDS`.
     l, alpha
         Distance (m) and direction (rad) of the wheel from the origin of base_link; of a castor, of its pivot.
     beta
@@ -38,7 +38,7 @@ class Wheel:
         Of a skidding wheel, (x, y), m, where a wheel that only rolls would stand to move the base as it does: its
         centre of rotation. None: where it stands.
     driven
-        Whether a motor turns it (for a driven sphere: two, see `KINDS`).
+        Whether a motor turns it (for a driven sphere: three, for a ball two, see `KINDS`).
     max_steering
         Of a steered wheel, how far it turns to either side of beta, rad, at most pi/2; None: all around.
     name
@@ -183,13 +183,18 @@ def _swedish(wheel: Wheel, s: Number, c: Number) -> list[Row]:
 
 
 def _sphere(wheel: Wheel, s: Number, c: Number) -> list[Row]:
-    """A driven ball rolls along its heading and along its axle."""
-    return [*_roll(wheel, s, c), *_slide(wheel, s, c)] if wheel.driven else []
+    """A driven ball rolls along its heading, along its axle, and is spun about the vertical."""
+    return [*_ball(wheel, s, c), spin_row(wheel.radius)] if wheel.driven else []
+
+
+def _ball(wheel: Wheel, s: Number, c: Number) -> list[Row]:
+    """A ball that bears a body alone rolls along its heading and along its axle."""
+    return [*_roll(wheel, s, c), *_slide(wheel, s, c)]
 
 
 def _no_spin(wheel: Wheel, s: Number, c: Number) -> list[Row]:
-    """The floor holds a driven ball against turning about the vertical."""
-    return [spin_row(wheel.radius)] if wheel.driven else []
+    """The floor holds it against turning about the vertical."""
+    return [spin_row(wheel.radius)]
 
 
 KINDS: Mapping[str, Kind] = {
@@ -198,6 +203,7 @@ KINDS: Mapping[str, Kind] = {
     "castor": Kind(_none, _none, lambda wheel: ()),
     "swedish": Kind(_swedish, _none, lambda wheel: ("",)),
     "skid": Kind(_roll, _slide, lambda wheel: ("",)),
-    "spherical": Kind(_sphere, _no_spin, lambda wheel: (" along", " across") if wheel.driven else ()),
+    "spherical": Kind(_sphere, _none, lambda wheel: (" along", " across", " spin") if wheel.driven else ()),
+    "ball": Kind(_ball, _no_spin, lambda wheel: (" along", " across")),
 }
 """A kind of wheel is its rows and one line here. A castor and a passive sphere follow any twist."""

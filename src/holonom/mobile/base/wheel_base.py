@@ -9,16 +9,16 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from holonom.arrays import Array, finite, is_finite, is_number, shown, vectors
-from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError, UnknownName
+from holonom.arrays import Array, finite, is_number, shown, vectors
+from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError
 from holonom.mobile.base import equations as base_equations
 from holonom.mobile.base.castors import CastorRates, castor_rates
-from holonom.mobile.base.drivable import Wedges, tightest_curve
+from holonom.mobile.base.drivable import Wedges, tightest_curve, wedges_of
 from holonom.mobile.base.dynamics import free_motions, inertia_over_mass, reaction
 from holonom.mobile.base.mobility import check_movable, seen_twists
 from holonom.mobile.base.refusals import beyond_steering, dragged_wheel, undetermined
 from holonom.mobile.base.wheel import KINDS, Wheel
-from holonom.mobile.base.wheel_set import SUSPENSIONS, body_inertia, named_wheels, positive
+from holonom.mobile.base.wheel_set import body_inertia, known_suspension, named_wheels, not_below_zero, positive
 from holonom.mobile.base.wheel_set import steering_groups as grouped
 from holonom.mobile.equations.base_models import Layout
 from holonom.mobile.equations.forward import DETERMINED
@@ -52,8 +52,8 @@ class WheelBase:
     com, com_height
         Centre of mass (x, y) in base_link and its height above the floor, m.
     inertia
-        Instead of alpha, about the centre of mass, along the axes of base_link, kg m^2: (3, 3), (3,) its diagonal, or one
-        number for every axis.
+        Instead of alpha, about the centre of mass, along the axes of base_link, kg m^2: (3, 3), (3,) its diagonal, or
+        one number for every axis.
     suspension
         How weight comes to the wheels: "rigid" (least sum of squares of loads), or "rocker_bogie" (three wheels a
         side).
@@ -97,17 +97,11 @@ class WheelBase:
         self.alpha = positive(name, "alpha", alpha)
         self.mass = None if mass is None else positive(name, "mass", mass)
         self.com = vectors("com", com, 2)
-        if not (is_finite(com_height) and com_height >= 0.0):
-            raise ModelError(
-                f"base {name!r} has com_height {shown(com_height)}; a height in m that is not below zero is needed"
-            )
-        self.com_height = float(com_height)
+        self.com_height = not_below_zero(name, "com_height", com_height)
         self.inertia = body_inertia(name, inertia, alpha, self.mass, self.radius)
         if inertia is not None:
             self.alpha = float(self.inertia[2, 2]) / (self.mass or 1.0) / self.radius**2
-        if suspension not in SUSPENSIONS:
-            raise UnknownName("suspension", suspension, SUSPENSIONS)
-        self.suspension, self.balances = suspension, bool(balances)
+        self.suspension, self.balances = known_suspension(suspension), bool(balances)
         groups = grouped(name, self.wheels, steering_groups or {})
         self.steered = tuple(groups)
         self.layout = Layout(self.wheels, tuple(groups.values()), self.radius)
@@ -137,8 +131,6 @@ class WheelBase:
     def kernel(self, name: str) -> Kernel:
         """Return the compiled form of `equation(name)`, for the fastest repeated calls and for compiled loops."""
         return self.equation(name).kernel
-
-    # constraints
 
     def rolling_matrix(self, steering: ArrayLike | None = None) -> Array:
         """Rows (..., rows, 3) that times the twist give the rim speed r phid, m/s, of every wheel with a rolling row.
@@ -303,24 +295,7 @@ class WheelBase:
 
     @functools.cached_property
     def _wedges(self) -> Wedges:
-        groups = zip(self.layout.groups, self._max_steering, strict=True)
-        limited = [(self.wheels[i], limit) for members, limit in groups for i in members]
-        fixed = [not i for i in self._is_steered]
-        held = self.sliding_matrix()[fixed] * np.array([1.0, 1.0, 1.0 / self.radius])
-        return Wedges(limited, self._together(held), self.radius)
-
-    def _together(self, held: Array) -> Array:
-        """The sliding rows of fixed wheels, and that a base whose wheels all steer as one does not turn."""
-        shared = [group for group in self.layout.groups if len(group) > 1]
-        lone = any(len(group) == 1 for group in self.layout.groups)
-        apart = [len({(self.wheels[i].x, self.wheels[i].y) for i in group}) > 1 for group in shared]
-        never = np.array([[0.0, 0.0, 1.0]]) if any(apart) and not lone and not len(held) else np.empty((0, 3))
-        return np.concatenate([held, never])
-
-    @functools.cached_property
-    def _is_steered(self) -> list[bool]:
-        steered = {self.wheels[i].name for g in self.layout.groups for i in g}
-        return [n in steered for n in self.sliding_names]
+        return wedges_of(self.layout, self._max_steering, self.sliding_names, self.sliding_matrix(), self.radius)
 
     def _projected(self, twists: Array, C1: Array) -> Array:
         """The part of twists (..., 3) that rows (..., n, 3) do not see, square in (vx, vy, R w)."""
@@ -364,7 +339,17 @@ class WheelBase:
                 f"base {self.name!r} steers ({', '.join(self.steered)}): its coupling is no constant; "
                 "rolling_matrix(steering) holds the rows"
             )
+        return self.rest_coupling
+
+    @property
+    def rest_coupling(self) -> Array:
+        """D (m, 3) with the steered wheels at rest."""
         return self.rolling_matrix()[self._driven_rows] * np.array([1.0, 1.0, 1.0 / self.radius])
+
+    @property
+    def steerable(self) -> Array:
+        """(3, 3): a twist to the nearest one that drags no fixed wheel."""
+        return self._wedges.projector
 
     @property
     def force_coupling(self) -> Array:

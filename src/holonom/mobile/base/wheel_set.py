@@ -13,7 +13,15 @@ from holonom.arrays import Array, finite, is_finite, shown
 from holonom.errors import ModelError, ShapeError, UnknownName
 from holonom.mobile.base.wheel import Wheel
 
-__all__ = ["SUSPENSIONS", "body_inertia", "named_wheels", "positive", "steering_groups"]
+__all__ = [
+    "SUSPENSIONS",
+    "body_inertia",
+    "known_suspension",
+    "named_wheels",
+    "not_below_zero",
+    "positive",
+    "steering_groups",
+]
 
 SUSPENSIONS = ("rigid", "rocker_bogie")
 """How weight comes to wheels."""
@@ -40,6 +48,20 @@ def positive(base: str, what: str, value: float) -> float:
     if not (is_finite(value) and value > 0.0):
         raise ModelError(f"base {base!r} has {what} {shown(value)}; a number above zero is needed")
     return float(value)
+
+
+def not_below_zero(base: str, what: str, value: float) -> float:
+    """The value, if it is a number from zero on; else ModelError."""
+    if not (is_finite(value) and value >= 0.0):
+        raise ModelError(f"base {base!r} has {what} {shown(value)}; a height in m that is not below zero is needed")
+    return float(value)
+
+
+def known_suspension(name: str) -> str:
+    """The name, if it is one of `SUSPENSIONS`; else UnknownName."""
+    if name not in SUSPENSIONS:
+        raise UnknownName("suspension", name, SUSPENSIONS)
+    return name
 
 
 def steering_groups(

@@ -117,9 +117,13 @@ def derived_parameters(base: WheelBase, set_name: str = "physical") -> DerivedPa
     ------
     UnknownName
         No such set.
+    CalibrationError
+        A ball that is driven about three axes.
     """
     if set_name not in SETS:
         raise UnknownName("set of parameters", set_name, SETS)
+    if any(w.driven and len(KINDS[w.kind].speeds(w)) > BALL for w in base.wheels):
+        raise CalibrationError(f"base {base.name!r} drives a ball about three axes; balls on two are calibrated")
     effects = _physical(base) + (_extended(base) if set_name == "extended" else [])
     kept, gauge = _told(base, effects)
     return DerivedParameters(

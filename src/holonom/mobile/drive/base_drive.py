@@ -8,14 +8,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from holonom.arrays import Array
-from holonom.devices import Accelerometer, CurrentShunt, DcMotor, Encoder, Friction, Gear, Gyro
+from holonom.devices import Accelerometer, CurrentShunt, DcMotor, Encoder, Friction, Gear, Gyro, SteeringMotor
 from holonom.errors import ModelError
+from holonom.mobile.base.wheel import Wheel
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.model.gravity import GRAVITY
 from holonom.numeric.contact_loads import pushing_loads
 
 __all__ = ["GRAVITY", "BaseDrive", "BaseSensors", "base_mass", "load_shares", "rest_loads",
-           "roller_cosines", "supports"]  # fmt: skip
+           "roller_cosines", "standing_wheels", "supports"]  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +32,8 @@ class BaseDrive:
         Wheel about its axle, without the rotor, kg m^2.
     roller_drag
         Bearing drag of the rollers of a Swedish wheel over its load.
+    steering
+        Motors of the steered wheels.
 
     Raises
     ------
@@ -44,6 +47,7 @@ class BaseDrive:
     friction: Friction = field(default_factory=Friction)
     wheel_inertia: float = 2.5e-5
     roller_drag: float = 0.02
+    steering: SteeringMotor = field(default_factory=SteeringMotor)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.wheel_inertia < math.inf:
@@ -92,9 +96,13 @@ def base_mass(base: WheelBase) -> float:
 
 
 def supports(base: WheelBase) -> Array:
-    """Where the wheels stand about the centre of mass, driven ones first (k, 2), m."""
-    wheels = [*(w for w in base.wheels if w.driven), *(w for w in base.wheels if not w.driven)]
-    return np.array([(w.x, w.y) for w in wheels]) - base.com
+    """Where `standing_wheels` stand about the centre of mass (k, 2), m; castors at their pivots."""
+    return np.array([(w.x, w.y) for w in standing_wheels(base)]) - base.com
+
+
+def standing_wheels(base: WheelBase) -> list[Wheel]:
+    """Return the wheels of a base: driven ones, then free ones, then passive balls."""
+    return sorted(base.wheels, key=lambda wheel: (not wheel.driven, wheel.kind == "spherical"))
 
 
 def load_shares(base: WheelBase) -> Array:

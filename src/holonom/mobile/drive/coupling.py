@@ -27,6 +27,7 @@ __all__ = [
     "base_acceleration",
     "base_force",
     "base_twist",
+    "coupling_at_rest",
     "coupling_of",
     "live_wheels",
     "omni_coupling",
@@ -162,10 +163,17 @@ def coupling_of(base: WheelBase | Coupling | ArrayLike) -> Coupling:
     if isinstance(base, Coupling):
         return base
     if isinstance(base, WheelBase):
-        x, y = base.com.tolist()
-        sliding = base.sliding_matrix() * [1.0, 1.0, 1.0 / base.radius]
-        return Coupling(base.velocity_coupling, base.radius, base.alpha, base.driven, (x, y), sliding)
+        if base.steered:
+            return Coupling(base.velocity_coupling)  # which refuses it
+        return coupling_at_rest(base)
     return Coupling(finite("coupling D", base))
+
+
+def coupling_at_rest(base: WheelBase) -> Coupling:
+    """Coupling of the driven wheels of a base whose steered wheels, if any, are at rest."""
+    x, y = base.com.tolist()
+    sliding = base.sliding_matrix() * [1.0, 1.0, 1.0 / base.radius]
+    return Coupling(base.rest_coupling, base.radius, base.alpha, base.driven, (x, y), sliding)
 
 
 def rim_speeds(base: WheelBase | Coupling | ArrayLike, twist: ArrayLike) -> Array:

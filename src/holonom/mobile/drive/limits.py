@@ -130,7 +130,7 @@ def drive_limits(base: WheelBase, motor: DcMotor, gear: Gear, friction: float) -
     if len(radii) > 1:
         raise InputError(f"base {base.name!r} drives wheels of radii {radii} m; make DriveLimits for equal wheels")
     wheels = [w for w in base.wheels if w.driven]
-    ball = next((w.name for w in wheels if w.kind == "spherical"), None)
+    ball = next((w.name for w in wheels if w.kind in ("spherical", "ball")), None)
     if ball is not None:
         raise InputError(
             f"base {base.name!r} drives the ball {ball!r} three ways at one contact; only wheels have limits"

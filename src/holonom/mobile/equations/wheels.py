@@ -54,7 +54,7 @@ def swedish_row(x: float, y: float, axle: float, gamma: float) -> Row:
 
 
 def spin_row(radius: float) -> Row:
-    """Rim speed of a ball that the base turns about the vertical; the floor holds it at 0."""
+    """Rim speed of a ball that its drive spins about the vertical, while the ball stands still on the floor."""
     return [0.0, 0.0, radius]
 
 

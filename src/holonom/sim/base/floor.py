@@ -121,10 +121,25 @@ class RoundPatch:
 
 @dataclass(frozen=True, slots=True)
 class Floor:
-    """A level floor of one material with patches; where patches overlap the last one counts."""
+    """A floor of one material with patches; where patches overlap the last one counts.
+
+    Attributes
+    ----------
+    slope, uphill
+        Angle (rad) of the whole floor against the horizontal, and the direction (rad, in the world) in which it
+        rises. Places are measured along the floor.
+    """
 
     material: Material = CARPET
     patches: tuple[RectangularPatch | RoundPatch, ...] = ()
+    slope: float = 0.0
+    uphill: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (abs(self.slope) < 0.5 * math.pi and math.isfinite(self.uphill)):
+            raise OutOfLimits(
+                f"Floor: slope {self.slope!r}, uphill {self.uphill!r} rad; a slope between -pi/2 and pi/2 is allowed"
+            )
 
 
 def floor_table(floor: Floor) -> tuple[NDArray[np.void], NDArray[np.void]]:

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from holonom.arrays import Array
 from holonom.devices.kernels import armature_step
-from holonom.model.gravity import GRAVITY
 from holonom.numeric.contact_loads import pushing_loads_at
 from holonom.numeric.small_kernels import solve_positive3
 from holonom.trace.code.compiled import arctan, select, sincos_half_turn
@@ -27,16 +26,16 @@ from holonom.trace.code.simd import WIDTH, any_of, largest, packed, total
 __all__ = [
     "BLOCKED",
     "DEAD",
-    "GRAVITY",
     "RUNS",
+    "STUCK",
     "Supports",
     "break_motor",
     "plant_steps",
     "slip_friction",
 ]
 
-RUNS, DEAD, BLOCKED = 0, 1, 2
-"""A motor that works, one without current that turns freely, one that is jammed."""
+RUNS, DEAD, BLOCKED, STUCK = 0, 1, 2, 3
+"""A motor that works, one without current that turns freely, one that is jammed; a steering motor that stays."""
 
 FLAGS = {"contract"}
 ROLLER_SMOOTHING = 0.01  # m/s, below which roller drag goes over into its opposite
@@ -69,7 +68,10 @@ def slip_friction(material: Any, slip: Any) -> tuple[Any, Any]:
 
 @loop(error_model="numpy", fastmath=FLAGS)
 def break_motor(states: Any, lane: int, kind: int) -> None:
-    """Give the motor of a wheel, a lane of its record, one of the states `RUNS`, `DEAD`, `BLOCKED`."""
+    """Give the motors of a wheel, a lane of its record, one of the states `RUNS`, `DEAD`, `BLOCKED`, `STUCK`."""
+    if kind == STUCK:
+        states.free[lane] = 0.0
+        return
     states.conducts[lane] = 0.0 if kind == DEAD else 1.0
     states.jam[lane] = JAMMED if kind == BLOCKED else 0.0
     if kind == BLOCKED:
@@ -79,30 +81,36 @@ def break_motor(states: Any, lane: int, kind: int) -> None:
 
 
 @loop(error_model="numpy", fastmath=FLAGS)
-def plant_steps(body: Any, state: Any, wheels: Records, states: Records, supports: Supports) -> None:
+def plant_steps(
+    body: Any, state: Any, wheels: Records, states: Records, supports: Supports, turning: int | None
+) -> None:
     """Advance body and wheels by `body.substeps` steps of `body.dt`, in place.
 
-    Four wheels are a record of `packed` numbers.
+    Four wheels are a record of `packed` numbers. `turning` is None where no wheel turns about its vertical axis: what
+    is there for those is then not even compiled.
     """
     for _ in range(body.substeps):
-        _step(body, state, wheels, states, supports)
+        _step(body, state, wheels, states, supports, turning)
 
 
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
-def _step(body: Any, state: Any, wheels: Records, states: Records, supports: Supports) -> None:
+def _step(body: Any, state: Any, wheels: Records, states: Records, supports: Supports, turning: int | None) -> None:
     """Forces from the slip at the end of the step, to first order; wheels are eliminated, the body's 3 x 3 is left."""
     h = body.dt
     _weigh(body, state, wheels, states, supports)
     xx = yy = body.mass
     ww = body.inertia
     xy = xw = yw = 0.0
-    bx = by = bw = 0.0
+    bx, by, bw = h * body.mass * state.down_x, h * body.mass * state.down_y, 0.0
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])
         torque, damping = _motor(wheel, own, h)
-        along, across, kl, kx = _slip(wheel, own, state)
-        lx, ly, lw = wheel.along_x, wheel.along_y, wheel.along_arm
-        cx, cy, cw = wheel.across_x, wheel.across_y, wheel.across_arm
+        along, across, kl, kx = _slip(wheel, own, state, turning)
+        if turning is not None:
+            across, kx = _swung(wheel, own, across, kx, h, state.w)
+            bw -= h * total(own.moment)
+        lx, ly, lw = own.along_x, own.along_y, own.along_arm
+        cx, cy, cw = own.across_x, own.across_y, own.across_arm
         rl, rx = wheel.along_radius, wheel.across_radius
         inertia = wheel.inertia + h * damping + own.jam
         yielding = h / (inertia + h * (kl * rl * rl + kx * rx * rx))
@@ -122,7 +130,7 @@ def _step(body: Any, state: Any, wheels: Records, states: Records, supports: Sup
         own.torque, own.effective, own.yielding = torque, inertia, yielding
         own.along, own.across, own.along_stiffness, own.across_stiffness = along, across, kl, kx
     dx, dy, dw = solve_positive3(xx, yy, ww, xy, xw, yw, bx, by, bw)
-    _advance(body, state, wheels, states, dx, dy, dw)
+    _advance(body, state, wheels, states, dx, dy, dw, turning)
 
 
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
@@ -131,8 +139,9 @@ def _weigh(body: Any, state: Any, wheels: Records, states: Records, supports: Su
 
     Where none carry both, the body tips: then those that would pull carry nothing.
     """
-    weight, lever = body.mass * GRAVITY, -body.mass * body.height
-    tip_x, tip_y, least, passive = lever * state.ax, lever * state.ay, 0.0, supports.passive
+    weight, lever = body.mass * body.gravity, -body.mass * body.height
+    tip_x, tip_y = lever * (state.ax - state.down_x), lever * (state.ay - state.down_y)
+    least, passive = 0.0, supports.passive
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])
         own.load = wheel.share * weight + wheel.share_x * tip_x + wheel.share_y * tip_y
@@ -193,14 +202,14 @@ def _friction(params: Any, speed: Any) -> tuple[Any, Any]:
 
 
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
-def _slip(wheel: Any, own: Any, state: Any) -> tuple[Any, Any, Any, Any]:
+def _slip(wheel: Any, own: Any, state: Any, turning: int | None) -> tuple[Any, Any, Any, Any]:
     """Forces on the base along and across (N), and their slopes over slip (N s/m), at the start of the step."""
-    along = wheel.along_radius * own.speed - (
-        wheel.along_x * state.vx + wheel.along_y * state.vy + wheel.along_arm * state.w
-    )
+    along = wheel.along_radius * own.speed - (own.along_x * state.vx + own.along_y * state.vy + own.along_arm * state.w)
     across = wheel.across_radius * own.speed - (
-        wheel.across_x * state.vx + wheel.across_y * state.vy + wheel.across_arm * state.w
+        own.across_x * state.vx + own.across_y * state.vy + own.across_arm * state.w
     )
+    if turning is not None:
+        across = across - wheel.lever * own.swing
     own.slip = along
     tyre = wheel.rollers < 1.0
     forces = _roller_forces(wheel, own, along, across)
@@ -234,20 +243,24 @@ def _chosen(which: Any, a: tuple[Any, ...], b: tuple[Any, ...]) -> tuple[Any, An
 
 
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
-def _advance(body: Any, state: Any, wheels: Records, states: Records, dx: float, dy: float, dw: float) -> None:
+def _advance(
+    body: Any, state: Any, wheels: Records, states: Records, dx: float, dy: float, dw: float, turning: int | None
+) -> None:
     """Forces at the end of the step, within the friction limit; speeds, energies and pose from them."""
     h = body.dt
-    fx = fy = fw = 0.0
+    fx, fy, fw = body.mass * state.down_x, body.mass * state.down_y, 0.0
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])
         along, across = _settle_wheel(wheel, own, h, dx, dy, dw)
-        fx += total(wheel.along_x * along + wheel.across_x * across)
-        fy += total(wheel.along_y * along + wheel.across_y * across)
-        fw += total(wheel.along_arm * along + wheel.across_arm * across)
+        if turning is not None:
+            fw -= total(_swing(wheel, own, across, h))
+        fx += total(own.along_x * along + own.across_x * across)
+        fy += total(own.along_y * along + own.across_y * across)
+        fw += total(own.along_arm * along + own.across_arm * across)
     state.ax, state.ay, state.aw = fx / body.mass, fy / body.mass, fw / body.inertia
     dx, dy, dw = h * state.ax, h * state.ay, h * state.aw
     vx, vy, w = state.vx + 0.5 * dx, state.vy + 0.5 * dy, state.w + 0.5 * dw
-    _book(state, wheels, states, h, vx, vy, w)
+    _book(state, wheels, states, h, vx, vy, w, turning)
     _move(state, h, vx + 0.5 * dx, vy + 0.5 * dy, w + 0.5 * dw)
 
 
@@ -256,8 +269,8 @@ def _settle_wheel(wheel: Any, own: Any, h: float, dx: float, dy: float, dw: floa
     """Final forces of a wheel (N), and the change of its speed."""
     rl, rx = wheel.along_radius, wheel.across_radius
     kl, kx, torque = own.along_stiffness, own.across_stiffness, own.torque
-    body_along = wheel.along_x * dx + wheel.along_y * dy + wheel.along_arm * dw
-    body_across = wheel.across_x * dx + wheel.across_y * dy + wheel.across_arm * dw
+    body_along = own.along_x * dx + own.along_y * dy + own.along_arm * dw
+    body_across = own.across_x * dx + own.across_y * dy + own.across_arm * dw
     turn = own.yielding * (torque - rl * own.along - rx * own.across + kl * rl * body_along + kx * rx * body_across)
     along = own.along + kl * (rl * turn - body_along)
     across = own.across + kx * (rx * turn - body_across)
@@ -272,6 +285,55 @@ def _settle_wheel(wheel: Any, own: Any, h: float, dx: float, dy: float, dw: floa
 
 
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
+def _swung(wheel: Any, own: Any, across: Any, stiffness: Any, h: float, w: float) -> tuple[Any, Any]:
+    """Force across and its slope as the base feels them, with the turn about the vertical axis eliminated.
+
+    `J dpsi = h (d F + T)` where F falls by k d dpsi and the torque T of motor or bearing by its own slope.
+    """
+    motor, lever = wheel.steering, wheel.lever
+    turning = own.swing - w
+    rate = min(max((own.asked - own.motor) / motor.lag, -motor.max_rate), motor.max_rate) * own.free
+    gap = own.motor - own.turned
+    wound = math.copysign(max(abs(gap) - motor.half_backlash, 0.0), gap)
+    taut = select(abs(gap) >= motor.half_backlash, wheel.servo, 0.0)
+    pull = taut * (motor.stiffness * wound + motor.damping * (rate - turning))
+    held = min(max(pull, -motor.max_torque), motor.max_torque)
+    slope = select(abs(pull) < motor.max_torque, taut * (motor.damping + h * motor.stiffness), 0.0)
+    bearing = (1.0 - wheel.servo) * wheel.pivot_drag
+    own.moment, own.moment_slope = held - bearing * turning, slope + bearing
+    own.motor_rate = rate
+    own.motor += h * rate
+    give = h / (motor.inertia + h * (own.moment_slope + stiffness * lever * lever))
+    lost = stiffness * lever * give
+    return across - lost * (lever * across + own.moment), stiffness - lost * stiffness * lever
+
+
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
+def _swing(wheel: Any, own: Any, across: Any, h: float) -> Any:
+    """Turn a wheel's rate about its vertical axis on, by the final force across; return the torque (N m) on it."""
+    inertia = wheel.steering.inertia
+    change = h * (wheel.lever * across + own.moment) / (inertia + h * own.moment_slope)
+    own.moment -= own.moment_slope * change
+    own.moment_slope = change  # from here on the change of rate, which the step's mean rate is half of
+    own.swing += wheel.turns * change
+    return wheel.turns * own.moment
+
+
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
+def _turn(wheel: Any, own: Any, h: float, w: float) -> None:
+    """Turn a wheel on about its vertical axis, with the directions of its forces."""
+    angle = h * wheel.turns * (own.swing - w)
+    own.turned += angle
+    c, s = _cosine_sine(angle)
+    x, y = c * own.along_x - s * own.along_y, s * own.along_x + c * own.along_y
+    length = 1.5 - 0.5 * (x * x + y * y)
+    x, y = length * x, length * y
+    own.along_x, own.along_y, own.along_arm = x, y, wheel.x * y - wheel.y * x
+    own.across_x, own.across_y = select(wheel.turns > 0.0, -y, own.across_x), select(wheel.turns > 0.0, x, own.across_y)
+    own.across_arm = wheel.x * own.across_y - wheel.y * own.across_x
+
+
+@loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _held(wheel: Any, along: Any, across: Any, limit: Any) -> tuple[Any, Any]:
     """Forces held to the friction limit (N); rollers get what the drive leaves."""
     rolls = wheel.rollers > 0.0
@@ -282,7 +344,9 @@ def _held(wheel: Any, along: Any, across: Any, limit: Any) -> tuple[Any, Any]:
 
 
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
-def _book(state: Any, wheels: Records, states: Records, h: float, vx: float, vy: float, w: float) -> None:
+def _book(
+    state: Any, wheels: Records, states: Records, h: float, vx: float, vy: float, w: float, turning: int | None
+) -> None:
     """Turn the wheels on, and add the step to the energies, at the mean speeds of the step."""
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])
@@ -290,8 +354,15 @@ def _book(state: Any, wheels: Records, states: Records, h: float, vx: float, vy:
         ratio, speed = wheel.gear.ratio, own.speed + 0.5 * turn
         current = own.current - own.conducts * wheel.current_slope * ratio * turn
         rim, rim_across = wheel.along_radius * speed, wheel.across_radius * speed
-        slip = rim - (wheel.along_x * vx + wheel.along_y * vy + wheel.along_arm * w)
-        slip_across = rim_across - (wheel.across_x * vx + wheel.across_y * vy + wheel.across_arm * w)
+        slip = rim - (own.along_x * vx + own.along_y * vy + own.along_arm * w)
+        slip_across = rim_across - (own.across_x * vx + own.across_y * vy + own.across_arm * w)
+        if turning is not None:
+            slip_across = slip_across - wheel.lever * (own.swing - 0.5 * own.moment_slope)
+            done = h * own.moment * (own.swing - 0.5 * own.moment_slope - w)
+            state.supplied += total(wheel.servo * done)
+            state.airgap += total(wheel.servo * done)
+            state.drag -= total((1.0 - wheel.servo) * done)
+            _turn(wheel, own, h, w)
         work = wheel.torque_constant * current * ratio * speed
         state.supplied += h * total(current * min(max(own.voltage, -supply), supply))
         state.heat += h * total(current * current / wheel.armature.conductance)
@@ -316,7 +387,7 @@ def _move(state: Any, h: float, vx: float, vy: float, w: float) -> None:
 
 
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
-def _cosine_sine(angle: float) -> tuple[float, float]:
+def _cosine_sine(angle: Any) -> tuple[Any, Any]:
     """Cosine and sine of the turn of one step, by their series; exact to rounding below 0.1 rad."""
     z = angle * angle
     cosine = 1.0 - z / 2.0 * (1.0 - z / 12.0 * (1.0 - z / 30.0 * (1.0 - z / 56.0)))

@@ -1,4 +1,4 @@
-"""`BasePlant`: a base with fixed or Swedish driven wheels, motors, slip and a rigid body (specification 06.2)."""
+"""`BasePlant`: a base with its wheels, motors, steering, slip and a rigid body (specification 06.2)."""
 
 from __future__ import annotations
 
@@ -7,39 +7,36 @@ from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from holonom.arrays import Array, finite_array, real_array, whole_number
 from holonom.devices.drive_signals import WheelSignals
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
-from holonom.mobile.base.wheel import Wheel
 from holonom.mobile.base.wheel_base import WheelBase
-from holonom.mobile.drive.base_drive import BaseDrive, BaseSensors, base_mass, load_shares, supports
-from holonom.mobile.drive.coupling import base_twist
+from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive, BaseSensors, base_mass, load_shares, supports
 from holonom.sim.base.floor import Floor, floor_table
-from holonom.sim.base.kernels import BLOCKED, DEAD, Supports
+from holonom.sim.base.kernels import BLOCKED, DEAD, STUCK, Supports
 from holonom.sim.base.log import BaseTruth, truth_of
 from holonom.sim.base.log_kernels import drive_open
 from holonom.sim.base.records import BODY, BODY_SAMPLE, BODY_STATE, WHEEL, WHEEL_SAMPLE, WHEEL_STATE
 from holonom.sim.base.step_kernels import BasePlantParams, SensorParams, base_acceleration, sense
+from holonom.sim.base.wheel_rows import Lane, lanes_of, wheel_row
 from holonom.trace.call.records import aligned_records, side_by_side
 from holonom.trace.code.simd import WIDTH
 
-__all__ = ["FAULTS", "SIMULATED", "TICK", "BaseFault", "BasePlant", "driven_wheels"]
+__all__ = ["FAULTS", "TICK", "BaseFault", "BasePlant", "simulated_lanes"]
 
 
+Records = NDArray[np.void]
 TICK = 1e-3
 """Time (s) that one step of the plant takes; sensors are read after each."""
-FAULTS = {"dead": DEAD, "blocked": BLOCKED}
-"""What may happen to a motor: an open winding (it turns freely), or a jam."""
-SIMULATED, SUPPORTS = ("fixed", "swedish"), ("castor", "spherical")
-"""Kinds of driven wheels, and of passive ones."""
-COULOMB_SMOOTHING = 2.0  # rad/s of the motor, below which Coulomb friction goes over into its opposite
+FAULTS = {"dead": DEAD, "blocked": BLOCKED, "stuck": STUCK}
+"""What may happen to a motor: an open winding (it turns freely), a jam; to a steering motor: it stays where it is."""
 
 
 @dataclass(frozen=True, slots=True)
 class BaseFault:
-    """A motor that fails: time (s), wheel (name or index), "dead" (open winding, turns freely) or "blocked"."""
+    """A motor that fails: time (s), wheel (name or index), one of `FAULTS`."""
 
     time: float
     wheel: int | str
@@ -51,6 +48,16 @@ class BaseFault:
         if not 0.0 <= self.time < math.inf:
             raise OutOfLimits(f"BaseFault: time is {self.time!r} s; it must be finite and at least 0")
 
+    def text(self, driven: Sequence[str]) -> str:
+        """What breaks, in words; `driven` are the names of the base's driven wheels."""
+        name = self.wheel if isinstance(self.wheel, str) else driven[self.wheel]
+        does = {
+            "dead": "the motor of {} dies",
+            "blocked": "the motor of {} jams",
+            "stuck": "the steering of {} is stuck",
+        }
+        return does[self.kind].format(name)
+
 
 class BasePlant:
     """A base on a floor. Mutable state: `state` and `states` (records, four wheels in each), `signals`, `rng`.
@@ -58,8 +65,8 @@ class BasePlant:
     Parameters
     ----------
     base
-        Mass, centre of mass and alpha are its own. Driven wheels are fixed or Swedish; castors and passive spheres
-        bear load without friction.
+        Mass, centre of mass and inertia are its own. Passive balls bear load without friction; castors bear theirs at
+        their pivots.
     drive
         Motors, gears, encoders of the wheels.
     floor
@@ -71,7 +78,7 @@ class BasePlant:
     rng
         Source of the sensors' noise; without one they have none.
     substeps
-        Steps of the plant per millisecond.
+        Steps of the plant per millisecond; None: 2, and 4 where wheels steer, trail or skid.
     ideal
         Wheels turn as they are told and never slip: no motors, no floor.
 
@@ -94,47 +101,60 @@ class BasePlant:
         sensors: BaseSensors = BaseSensors(),
         faults: Sequence[BaseFault] = (),
         rng: np.random.Generator | None = None,
-        substeps: int = 2,
+        substeps: int | None = None,
         ideal: bool = False,
     ) -> None:
-        substeps = whole_number("BasePlant: substeps", substeps, least=1)
+        quick = all(wheel.kind in ("swedish", "fixed", "spherical", "ball") for wheel in base.wheels)
+        substeps = whole_number("BasePlant: substeps", (2 if quick else 4) if substeps is None else substeps, least=1)
         self.base, self.drive, self.rng = base, drive, rng
         self.mass = base_mass(base)
-        self.driven = driven_wheels(base)
-        self.rows = base.velocity_coupling * [1.0, 1.0, base.radius]
-        """(m, 3) rim speeds (m/s) of the driven wheels per (vx, vy, w): D with w in rad/s."""
-        self.radii = np.array([wheel.radius for wheel in self.driven])
-        """(m,) m, of the driven wheels."""
+        self.lanes, self.radii = simulated_lanes(base), base.wheel_radii
+        self.rows = base.rest_coupling * [1.0, 1.0, base.radius]
+        """(m, 3) rim speeds (m/s) of the driven wheels per (vx, vy, w), steered ones at rest."""
         self.support, contacts = load_shares(base), supports(base)
-        count, dt = len(self.driven), TICK / substeps
-        reach = float(np.hypot(*contacts[:count].T).max())
-        rows = [
-            _wheel_row(w, at, part, drive, dt, reach)
-            for w, at, part in zip(self.driven, contacts, self.support, strict=False)
-        ]
-        broken = sorted((round(f.time / TICK), self.wheel_index(f.wheel), FAULTS[f.kind]) for f in faults)
-        inertia = base.alpha * self.mass * base.radius**2
+        broken = sorted((round(f.time / TICK), self._broken_lane(f), FAULTS[f.kind]) for f in faults)
+        bearing = 1 + max(lane.support for lane in self.lanes)
+        turns = any(lane.wheel.kind in ("steered", "castor") for lane in self.lanes)
         self.params = BasePlantParams(
-            aligned_records([(self.mass, inertia, base.com_height, dt, substeps, *base.com.tolist())], BODY),
-            side_by_side(np.array(rows, WHEEL), share=0.0, share_x=0.0, share_y=0.0),
+            self._body(floor, substeps),
+            side_by_side(self._wheels(contacts, TICK / substeps), share=0.0, share_x=0.0, share_y=0.0),
             Supports(
-                self.support[count:], np.ascontiguousarray(contacts), np.zeros(len(contacts)), contacts.mean(axis=0)
+                self.support[bearing:], np.ascontiguousarray(contacts), np.zeros(len(contacts)), contacts.mean(axis=0)
             ),
             *floor_table(floor),
             np.array(broken, dtype=np.int64).reshape(-1, 3),
             SensorParams(*astuple(sensors)),
+            1 if turns else None,
             ideal,
             self._forward(),
         )
         self.state = aligned_records(np.zeros(1, BODY_STATE), BODY_STATE)
-        states = np.zeros(len(self.driven), WHEEL_STATE)
-        states["conducts"] = 1.0
+        states = np.zeros(len(self.lanes), WHEEL_STATE)
+        states["conducts"] = [lane.wheel.driven for lane in self.lanes]
+        states["free"] = 1.0
         self.states = side_by_side(states, conducts=0.0)
         lanes = WIDTH * len(self.states)
-        zeros = (np.zeros(lanes), np.zeros(lanes))
+        zeros = [np.zeros(lanes) for _ in range(4)]
         self.signals = WheelSignals(np.zeros(lanes, np.int64), np.zeros(lanes), np.zeros(3), *zeros)
         """What its sensors read last, and the voltages that it is driven with."""
         self._place((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), np.zeros(3 + WIDTH * len(self.states)))
+
+    def _body(self, floor: Floor, substeps: int) -> Records:
+        """The body as a record, on a floor that may be a slope."""
+        base, down = self.base, -GRAVITY * math.sin(floor.slope)
+        inertia = base.alpha * self.mass * base.radius**2
+        along = (down * math.cos(floor.uphill), down * math.sin(floor.uphill))
+        row = (self.mass, inertia, base.com_height, TICK / substeps, substeps, *base.com.tolist(), *along)
+        return aligned_records([(*row, GRAVITY * math.cos(floor.slope))], BODY)
+
+    def _wheels(self, contacts: Array, dt: float) -> Records:
+        """The lanes as records, one by one."""
+        reach, usual = max(float(np.hypot(*contacts.T).max()), 1e-3), float(self.radii.mean())
+        rows = [
+            wheel_row(lane, contacts[lane.support], self.support[lane.support], self.drive, dt, reach, usual)
+            for lane in self.lanes
+        ]
+        return np.array(rows, WHEEL)
 
     @property
     def time(self) -> float:
@@ -166,16 +186,49 @@ class BasePlant:
         return tick * TICK if tick else None
 
     def place(self, pose: ArrayLike, twist: ArrayLike = (0.0, 0.0, 0.0)) -> None:
-        """Put the base at a pose (3,) with a twist (3,) in base_link, wheels rolling, and read its sensors.
+        """Put the base at a pose (3,) with a twist (3,) in base_link, wheels steered and rolling, and read its sensors.
 
         Raises
         ------
         ShapeError
             Not three finite numbers each; it stays where it is.
+        OutOfLimits
+            A twist beyond what its wheels can be steered to.
         """
-        self._place(finite_array("pose", pose, (3,)), finite_array("twist", twist, (3,)), self.noise(1)[0])
+        pose, twist = finite_array("pose", pose, (3,)), finite_array("twist", twist, (3,))
+        self._place(pose, twist, self.noise(1)[0], self._steered_to(twist))
 
-    def _place(self, pose: ArrayLike, twist: ArrayLike, noise: Array) -> None:
+    def _steered_to(self, twist: Array) -> Array:
+        """Angles of the lanes against rest with which the base moves so; castors trail."""
+        angles, turned = self.base.steering(twist), np.zeros(len(self.lanes))
+        for group, angle in zip(self.base.layout.groups, angles, strict=True):
+            names = [self.base.wheels[i].name for i in group]
+            turned[[k for k, lane in enumerate(self.lanes) if lane.wheel.name in names]] = angle
+        for k, (wheel, heading, _) in enumerate(self.lanes):
+            vx, vy = twist[0] - wheel.y * twist[2], twist[1] + wheel.x * twist[2]
+            if wheel.kind == "castor" and math.hypot(vx, vy) > 0.0:
+                towards = math.copysign(1.0, -wheel.castor_offset)
+                turned[k] = math.remainder(math.atan2(towards * vy, towards * vx) - heading, 2.0 * math.pi)
+        return turned
+
+    def _roll(self, turned: Array, vx: float, vy: float, w: float) -> None:
+        """Turn the lanes by angles, and let their wheels roll with a twist of the centre of mass."""
+        states, wheels, count = self.states, self.params.wheels, len(self.lanes)
+        flat = {name: wheels[name].reshape(-1) for name in ("x", "y", "rest_x", "rest_y", "along_radius", "turns")}
+        angle = flat["turns"].copy()
+        angle[:count] *= turned
+        c, s = np.cos(angle), np.sin(angle)
+        along = c * flat["rest_x"] - s * flat["rest_y"], s * flat["rest_x"] + c * flat["rest_y"]
+        for name, (x, y) in (("along", along), ("across", (-along[1], along[0]))):
+            states[f"{name}_x"].flat[:], states[f"{name}_y"].flat[:] = x, y
+            states[f"{name}_arm"].flat[:] = flat["x"] * y - flat["y"] * x
+        rolled = along[0] * vx + along[1] * vy + (flat["x"] * along[1] - flat["y"] * along[0]) * w
+        states["speed"].flat[:count] = (rolled / flat["along_radius"])[:count]
+        states["turned"].flat[:] = states["motor"].flat[:] = states["asked"].flat[:] = angle
+        self.signals.steering[:] = angle
+        states["swing"].flat[:] = flat["turns"] * w
+
+    def _place(self, pose: ArrayLike, twist: ArrayLike, noise: Array, steering: Array | None = None) -> None:
         state, states, (dx, dy) = self.state[0], self.states, self.base.com
         (x, y, theta), (vx, vy, w) = np.asarray(pose, float), np.asarray(twist, float)
         c, s = math.cos(theta), math.sin(theta)
@@ -183,7 +236,9 @@ class BasePlant:
         state["vx"], state["vy"], state["w"] = vx - w * dy, vy + w * dx, w
         state["tipping"] = state["tipped"] = 0
         state["near"], state["fault"] = True, 0
-        states["speed"].flat[: len(self.driven)] = self.rows @ np.asarray(twist, float) / self.radii
+        self._roll(
+            np.zeros(len(self.lanes)) if steering is None else steering, float(state["vx"]), float(state["vy"]), w
+        )
         sense(self.params, self.state, states, self.signals, noise)
 
     def noise(self, ticks: int) -> Array:
@@ -197,14 +252,17 @@ class BasePlant:
         ticks = whole_number("ticks", ticks)
         found = np.zeros((ticks, 3 + WIDTH * len(self.states)))
         if self.rng is not None:
-            found[:, : 3 + len(self.driven)] = self.rng.standard_normal((ticks, 3 + len(self.driven)))
+            count = 3 + len(self.base.driven)
+            found[:, :count] = self.rng.standard_normal((ticks, count))
         return found
 
     def _forward(self) -> Array:
         """(3, 4 n) twist of the centre of mass per wheel speed, rad/s, by least squares among those that drag none."""
-        found, (x, y) = np.zeros((3, -(-len(self.radii) // WIDTH) * WIDTH)), self.base.com
+        found, (x, y) = np.zeros((3, -(-len(self.lanes) // WIDTH) * WIDTH)), self.base.com
+        if self.base.steered:
+            return found
         moved = np.array([[1.0, 0.0, -y], [0.0, 1.0, x], [0.0, 0.0, 1.0]])
-        found[:, : len(self.radii)] = moved @ base_twist(self.base, np.diag(self.radii)).T
+        found[:, : len(self.base.driven)] = moved @ self.base.twist(np.eye(len(self.base.driven))).T
         return found
 
     def drive_open(self, voltages: ArrayLike) -> BaseTruth:
@@ -216,7 +274,7 @@ class BasePlant:
             Voltages of another shape, or not finite.
         """
         u = np.ascontiguousarray(real_array("voltages", voltages))
-        m = len(self.driven)
+        m = len(self.base.driven)
         if u.ndim != 2 or u.shape[1] != m or not np.isfinite(u).all():
             raise ShapeError(f"voltages have shape {u.shape}; they must be (N, {m}), finite: one column per motor")
         body_log, wheel_log = np.zeros(len(u), BODY_SAMPLE), np.zeros((len(u), len(self.states)), WHEEL_SAMPLE)
@@ -229,7 +287,24 @@ class BasePlant:
         """Kinetic energy (J) of body, wheels and rotors."""
         s, body = self.state[0], self.params.body[0]
         moving = 0.5 * body["mass"] * (s["vx"] ** 2 + s["vy"] ** 2) + 0.5 * body["inertia"] * s["w"] ** 2
-        return float(moving + 0.5 * (self.params.wheels["inertia"] * self.states["speed"] ** 2).sum())
+        wheels, states = self.params.wheels, self.states
+        turning = wheels["turns"] * wheels["steering"]["inertia"] * states["swing"] ** 2
+        return float(moving + 0.5 * (wheels["inertia"] * states["speed"] ** 2 + turning).sum())
+
+    def _broken_lane(self, fault: BaseFault) -> int:
+        """Lane of what breaks: of a driven wheel, or of a steered one.
+
+        Raises
+        ------
+        UnknownName
+            No such wheel, or none with such a motor.
+        """
+        if FAULTS[fault.kind] != STUCK:
+            return self.wheel_index(fault.wheel)
+        steered = {lane.wheel.name: k for k, lane in enumerate(self.lanes) if lane.wheel.kind == "steered"}
+        if fault.wheel not in steered:
+            raise UnknownName("steered wheel", str(fault.wheel), steered)
+        return steered[str(fault.wheel)]
 
     def wheel_index(self, wheel: int | str) -> int:
         """Index of a driven wheel given by name or index.
@@ -243,46 +318,19 @@ class BasePlant:
             if wheel not in self.base.driven:
                 raise UnknownName("driven wheel", wheel, self.base.driven)
             return self.base.driven.index(wheel)
-        if not 0 <= wheel < len(self.driven):
-            raise UnknownName("driven wheel", str(wheel), [str(k) for k in range(len(self.driven))])
+        if not 0 <= wheel < len(self.base.driven):
+            raise UnknownName("driven wheel", str(wheel), [str(k) for k in range(len(self.base.driven))])
         return wheel
 
 
-def driven_wheels(base: WheelBase) -> list[Wheel]:
-    """Return the driven wheels of a base that can be simulated.
+def simulated_lanes(base: WheelBase) -> list[Lane]:
+    """Return the lanes of a base that can be simulated.
 
     Raises
     ------
     ModelError
-        A wheel that is driven and neither fixed nor Swedish, or passive and neither castor nor sphere; names it.
+        A kind of wheel that is not; a body that balances.
     """
-    for wheel in base.wheels:
-        simulated = wheel.driven and wheel.kind in SIMULATED
-        if not (simulated or (wheel.kind in SUPPORTS and not wheel.driven)):
-            driven = "driven" if wheel.driven else "passive"
-            raise ModelError(
-                f"wheel {wheel.name!r} is {driven} and {wheel.kind}; simulated are driven fixed and Swedish wheels, "
-                "passive castors and spheres"
-            )
-    return [wheel for wheel in base.wheels if wheel.driven]
-
-
-def _wheel_row(
-    wheel: Wheel, at: Array, share: Array, drive: BaseDrive, dt: float, reach: float
-) -> tuple[object, ...]:  # fmt: skip
-    (x, y), gamma = at.tolist(), wheel.roller_angle
-    ratio, efficiency = drive.gear.ratio, drive.gear.efficiency
-    armature = drive.motor.armature(dt)
-    slope = armature.conductance * (1.0 - armature.decay) * armature.back_emf
-    turned = wheel.axle + gamma
-    along, across = (math.sin(turned), -math.cos(turned)), (math.cos(turned), math.sin(turned))
-    return (
-        x, y,
-        *along, x * along[1] - y * along[0],
-        *across, x * across[1] - y * across[0],
-        wheel.radius * math.cos(gamma), -wheel.radius * math.sin(gamma),
-        reach, ratio * efficiency, ratio / efficiency, slope,
-        wheel.kind == "swedish", drive.roller_drag, *share, drive.inertia, drive.motor.torque_constant,
-        tuple(armature), tuple(drive.friction.params(COULOMB_SMOOTHING)), tuple(drive.gear.params()),
-        tuple(drive.encoder.params()),
-    )  # fmt: skip
+    if base.balances:
+        raise ModelError(f"base {base.name!r} balances its body; an inverted pendulum is not simulated yet")
+    return lanes_of(base)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from holonom.devices import SteeringParams
 from holonom.devices.kernels import ArmatureParams, EncoderParams, FrictionParams, GearParams
 from holonom.sim.base.floor import MATERIAL
 from holonom.trace.call.records import layout_of, padded
@@ -15,14 +16,10 @@ F, I = np.float64, np.int64
 
 WHEEL = np.dtype(
     [
-        ("x", F),  # contact point about the centre of mass, along the axes of base_link, m
+        ("x", F),  # contact point, of a wheel that turns its pivot, about the centre of mass, axes of base_link, m
         ("y", F),
-        ("along_x", F),  # direction in which the contact carries the drive force; its lever arm, m
-        ("along_y", F),
-        ("along_arm", F),
-        ("across_x", F),  # at right angles to it
-        ("across_y", F),
-        ("across_arm", F),
+        ("rest_x", F),  # direction in which the contact carries the drive force, where the wheel is not turned
+        ("rest_y", F),
         ("along_radius", F),  # slip along and across per wheel speed, m: r cos(gamma), -r sin(gamma)
         ("across_radius", F),
         ("reach", F),  # of the base: from its centre of mass to the farthest contact, m
@@ -36,17 +33,26 @@ WHEEL = np.dtype(
         ("share_y", F),
         ("inertia", F),  # wheel and geared rotor, kg m2
         ("torque_constant", F),  # N m/A
+        ("turns", F),  # 1 or 0: about its vertical axis, as a steered wheel and a castor do
+        ("servo", F),  # 1 or 0: a motor turns it
+        ("lever", F),  # of a castor, from its pivot to the contact, m
+        ("pivot_drag", F),  # of a castor, N m s/rad
+        ("steering", layout_of(SteeringParams)),
         ("armature", layout_of(ArmatureParams)),
         ("friction", layout_of(FrictionParams)),
         ("gear", layout_of(GearParams)),
         ("encoder", layout_of(EncoderParams)),
     ]
 )
-"""One driven wheel with its motor."""
+"""One wheel with its motor."""
 
-BODY = np.dtype([("mass", F), ("inertia", F), ("height", F), ("dt", F), ("substeps", I), ("com_x", F), ("com_y", F)])
+BODY = np.dtype(
+    [(name, F) for name in ("mass", "inertia", "height", "dt")]
+    + [("substeps", I)]
+    + [(name, F) for name in ("com_x", "com_y", "slope_x", "slope_y", "gravity")]
+)
 """The rigid body: kg, kg m2 about its centre of mass, height of that (m); step of the plant (s), steps per millisecond;
-where the centre of mass is in base_link, m."""
+where the centre of mass is in base_link, m; gravity along the floor, in the world, and into it, m/s2."""
 
 WHEEL_STATE = np.dtype(
     [
@@ -56,6 +62,20 @@ WHEEL_STATE = np.dtype(
         ("voltage", F),  # V, asked of the power stage
         ("conducts", F),  # 1 or 0: current can flow in the motor, or its winding is open
         ("jam", F),  # kg m2 that are added to a wheel that cannot turn
+        ("along_x", F),  # direction in which the contact carries the drive force; its lever arm, m
+        ("along_y", F),
+        ("along_arm", F),
+        ("across_x", F),  # at right angles to it
+        ("across_y", F),
+        ("across_arm", F),
+        ("turned", F),  # about its vertical axis, against the base, rad
+        ("swing", F),  # how fast it turns there, against the floor, rad/s
+        ("motor", F),  # where its steering motor stands, rad
+        ("motor_rate", F),
+        ("asked", F),  # angle asked of the steering motor, rad
+        ("free", F),  # 1 or 0: the steering motor turns, or is stuck
+        ("moment", F),  # scratch of one step: torque on the wheel about its vertical axis, N m, and its fall with swing
+        ("moment_slope", F),
         ("along", F),  # force on the base, N
         ("across", F),
         ("slip", F),  # along, m/s: rim faster than ground
@@ -69,7 +89,7 @@ WHEEL_STATE = np.dtype(
         ("yielding", F),  # change of wheel speed in a step per torque, with its own slip, s/(kg m2)
     ]
 )
-"""State of one driven wheel."""
+"""State of one wheel."""
 
 BODY_STATE = padded(
     [
@@ -84,6 +104,8 @@ BODY_STATE = padded(
         ("ax", F),  # the same, m/s2 and rad/s2
         ("ay", F),
         ("aw", F),
+        ("down_x", F),  # gravity along the floor, along the axes of base_link, m/s2; set anew each millisecond
+        ("down_y", F),
         ("light", I),  # 1 or 0: no loads of its wheels carry it
         ("tipping", I),  # ms for which no loads of its wheels carried it, less those for which some did
         ("tipped", I),  # tick at which it fell over; 0: it stands
@@ -112,7 +134,18 @@ BODY_SAMPLE = np.dtype(
 WHEEL_SAMPLE = np.dtype(
     [
         (name, F, (WIDTH,))
-        for name in ("speed", "angle", "current", "voltage", "force", "cross_force", "load", "slip", "friction_limit")
+        for name in (
+            "speed",
+            "angle",
+            "current",
+            "voltage",
+            "force",
+            "cross_force",
+            "load",
+            "slip",
+            "friction_limit",
+            "turned",
+        )
     ]
 )
 """Four wheels at one millisecond."""

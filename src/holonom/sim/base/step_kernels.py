@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from holonom.arrays import Array
 from holonom.devices.drive_signals import WheelSignals
 from holonom.devices.kernels import EncoderParams, encoder_counter
+from holonom.numeric.small_kernels import solve_positive3
 from holonom.sim.base.kernels import Supports, break_motor, plant_steps
 from holonom.trace.code.compiled import sincos
 from holonom.trace.code.loops import loop
@@ -19,6 +20,8 @@ __all__ = ["BasePlantParams", "SensorParams", "advance", "base_acceleration", "f
 
 FLAGS = {"contract"}
 TICK = 1e-3  # s, of a step
+HELD = 1e6  # weight of wheels that must not slide, beside those that roll
+SOFT = 1e-12  # added to normal equations, which wheels at standstill may leave singular
 TIPS = 10  # ms for which nothing carries a base that has tipped over
 Integers = NDArray[np.int64]
 Records = NDArray[np.void]
@@ -44,6 +47,7 @@ class BasePlantParams(NamedTuple):
     patches: Records
     faults: Integers  # (f, 3) tick, wheel, kind, in order of time
     sensors: SensorParams
+    turning: int | None  # None: no wheel turns about its vertical axis
     ideal: bool  # wheels turn as they are told, and do not slip
     forward: Array  # (3, 4 n) twist (vx, vy, w) of the centre of mass per wheel speed where nothing slips
 
@@ -63,7 +67,12 @@ def advance(params: BasePlantParams, state: Records, states: Records, signals: W
     body.near = 1 if near else 0
     for i in range(len(states)):
         packed(states[i]).voltage = load(signals.voltages, i)
-    plant_steps(params.body[0], body, params.wheels, states, params.supports)
+    known = params.body[0]
+    body.down_x = body.cosine * known.slope_x + body.sine * known.slope_y
+    body.down_y = body.cosine * known.slope_y - body.sine * known.slope_x
+    if params.turning is not None:
+        _ask(params.wheels, states, signals.steering)
+    plant_steps(known, body, params.wheels, states, params.supports, params.turning)
     body.tick += 1
     body.tipping = body.tipping + 1 if body.light != 0 else max(body.tipping - 1, 0)
     if body.tipping >= TIPS and body.tipped == 0:
@@ -81,6 +90,7 @@ def sense(params: BasePlantParams, state: Records, states: Records, signals: Whe
         body.fault += 1
     signals.inertial[0] = body.w + sensors.gyro_bias + sensors.gyro_noise * noise[0]
     ax, ay = base_acceleration(params.body[0], body)
+    ax, ay = ax - body.down_x, ay - body.down_y  # at rest on a slope they show it
     signals.inertial[1] = ax + sensors.accelerometer_bias + sensors.accelerometer_noise * noise[1]
     signals.inertial[2] = ay + sensors.accelerometer_bias + sensors.accelerometer_noise * noise[2]
     for i in range(len(states)):
@@ -90,6 +100,17 @@ def sense(params: BasePlantParams, state: Records, states: Records, signals: Whe
             counter = encoder_counter(encoder, wheel.gear.ratio[lane] * own.angle[lane])
             signals.counters[i * WIDTH + lane] = counter
         store(signals.currents, i, packed(own).current + sensors.current_noise * load(noise[3:], i))
+        if params.turning is not None:
+            turned = packed(wheel).steering.step * (np.floor(packed(own).turned / packed(wheel).steering.step) + 0.5)
+            store(signals.turned, i, packed(wheel).turns * turned)
+
+
+@loop(error_model="numpy", forceinline=True)
+def _ask(wheels: Records, states: Records, steering: Array) -> None:
+    """Hand angles to the steering motors, within their stops."""
+    for i in range(len(states)):
+        wheel, own = packed(wheels[i]), packed(states[i])
+        own.asked = min(max(load(steering, i), -wheel.steering.limit), wheel.steering.limit)
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -102,6 +123,9 @@ def base_acceleration(known: Any, body: Any) -> tuple[float, float]:
 @loop(error_model="numpy", forceinline=True)
 def _follow(params: BasePlantParams, body: Any, states: Records, signals: WheelSignals) -> None:
     """Wheels turn as they are told for a millisecond, and the base as they turn, on an arc."""
+    if params.turning is not None:
+        _follow_steered(params, body, states, signals)
+        return
     vx = vy = w = 0.0
     for i in range(len(signals.speeds)):
         own, lane = states[i // WIDTH], i % WIDTH
@@ -111,6 +135,59 @@ def _follow(params: BasePlantParams, body: Any, states: Records, signals: WheelS
         vx += params.forward[0, i] * speed
         vy += params.forward[1, i] * speed
         w += params.forward[2, i] * speed
+    _arc(body, vx, vy, w)
+
+
+@loop(error_model="numpy", forceinline=True)
+def _follow_steered(params: BasePlantParams, body: Any, states: Records, signals: WheelSignals) -> None:
+    """The same where wheels steer: each turns as fast as its motor can, then the twist that fits all of them best."""
+    a = np.zeros((3, 3))
+    b = np.zeros(3)
+    row = np.zeros(3)
+    reach = params.wheels[0].reach[0]
+    for i in range(len(signals.speeds)):
+        wheel, own, lane = params.wheels[i // WIDTH], states[i // WIDTH], i % WIDTH
+        if wheel.share[lane] == 0.0 or (wheel.turns[lane] > 0.0 and wheel.servo[lane] == 0.0):
+            continue  # filling, and castors, which follow
+        if wheel.turns[lane] > 0.0:
+            limit, most = wheel.steering.limit[lane], TICK * wheel.steering.max_rate[lane] * own.free[lane]
+            asked = min(max(signals.steering[i], -limit), limit)
+            angle = min(max(asked - own.turned[lane], -most), most)
+            own.turned[lane] += angle
+            own.motor[lane] = own.turned[lane]
+            s, c = sincos(angle)
+            x, y = own.along_x[lane], own.along_y[lane]
+            own.along_x[lane], own.along_y[lane] = c * x - s * y, s * x + c * y
+            own.across_x[lane], own.across_y[lane] = -own.along_y[lane], own.along_x[lane]
+        if wheel.torque_constant[lane] > 0.0:
+            speed = signals.speeds[i]
+            own.speed[lane] = speed
+            own.angle[lane] += TICK * speed
+            x, y = own.along_x[lane], own.along_y[lane]
+            row[0], row[1], row[2] = x, y, (wheel.x[lane] * y - wheel.y[lane] * x) / reach
+            _fit(a, b, row, wheel.along_radius[lane] * speed, 1.0)
+        if wheel.rollers[lane] == 0.0:
+            x, y = own.across_x[lane], own.across_y[lane]
+            row[0], row[1], row[2] = x, y, (wheel.x[lane] * y - wheel.y[lane] * x) / reach
+            _fit(a, b, row, 0.0, HELD)
+    vx, vy, w = solve_positive3(
+        a[0, 0] + SOFT, a[1, 1] + SOFT, a[2, 2] + SOFT, a[0, 1], a[0, 2], a[1, 2], b[0], b[1], b[2]
+    )
+    _arc(body, vx, vy, w / reach)
+
+
+@loop(error_model="numpy", forceinline=True)
+def _fit(a: Array, b: Array, row: Array, speed: float, weight: float) -> None:
+    """Add a row that times the twist should be a speed to normal equations."""
+    for j in range(3):
+        b[j] += weight * row[j] * speed
+        for k in range(3):
+            a[j, k] += weight * row[j] * row[k]
+
+
+@loop(error_model="numpy", forceinline=True)
+def _arc(body: Any, vx: float, vy: float, w: float) -> None:
+    """Go on for a millisecond with a twist of the centre of mass."""
     body.ax, body.ay = (vx - body.vx) / TICK - w * vy, (vy - body.vy) / TICK + w * vx
     body.aw = (w - body.w) / TICK
     s, c = sincos(body.theta + 0.5 * TICK * w)

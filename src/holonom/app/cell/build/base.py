@@ -17,14 +17,15 @@ from holonom.app.job import BaseJob, PathTolerance, Task
 from holonom.app.report.findings.base_outline import margin_of
 from holonom.arrays import Array
 from holonom.control.base.shaping import ShapingSettings
-from holonom.devices import DcMotor, Encoder, Friction, Gear
+from holonom.devices import DcMotor, Encoder, Friction, Gear, SteeringMotor
 from holonom.errors import CellError, InputError, ModelError
 from holonom.machine import PATHS, BaseSettings, PathLimits, ReferencePath, plan_path
 from holonom.mobile import BaseDrive, BaseSensors, WheelBase
+from holonom.mobile.base.drivable import moves_sideways
 from holonom.mobile.drive.sized import sized_base_drive
 from holonom.mobile.odometry import integrate
 from holonom.sim import BaseFault
-from holonom.sim.base.plant import driven_wheels
+from holonom.sim.base.plant import simulated_lanes
 from holonom.spatial import pose
 
 __all__ = ["build_base_job", "deck_height", "refuse_unsimulated", "unsimulated"]
@@ -35,6 +36,8 @@ LEAST = 0.01  # m that it may be off in any case
 AROUND = np.radians(10.0)  # that the heading may be off where the cell says nothing
 CORNER = 0.2  # rad, of arcs that the box of commanded velocities is measured by
 BESIDE = 0.05  # of the larger side of a path's box, that a base may be off it where the cell says nothing
+EVERY = 20  # samples of a path, of which one is looked at
+ASTRAY = 1e-3  # m/s by which wheels may be dragged
 AWAY = 1e-3  # m and rad that the start of a path may lie beside the pose that a cell states
 
 
@@ -46,7 +49,7 @@ def deck_height(base: WheelBase) -> float:
 def unsimulated(base: WheelBase) -> str | None:
     """Why a base cannot be simulated, None where it can."""
     try:
-        driven_wheels(base)
+        simulated_lanes(base)
     except ModelError as problem:
         return str(problem)
     return None
@@ -90,6 +93,8 @@ def build_base_job(cell: Cell, number: int, path: Path, sensors: BaseSensors) ->
         notes += _check_path(robot, task, path, at)
     _check_stand(base, path, at)
     start = _start(robot, task.path, path, at)
+    drive, told = _with_steering(robot, base, drive)
+    notes += told
     why = unsimulated(base)
     if why is not None:
         notes += (f"it cannot be simulated yet: {why}",)
@@ -128,6 +133,17 @@ def _drive(robot: Robot, base: WheelBase) -> tuple[BaseDrive, str, tuple[str, ..
         return sized, str(robot.drives), ()
     note = f"no motors are stated; they are sized for {speed:g} m/s and {acceleration:g} m/s2"
     return sized, "from_limits", (note,)
+
+
+def _with_steering(robot: Robot, base: WheelBase, drive: BaseDrive) -> tuple[BaseDrive, tuple[str, ...]]:
+    """The drive with the steering motors that the cell states, else with usual ones, which is said."""
+    if not base.steered:
+        return drive, ()
+    if robot.steering is not None:
+        return dataclasses.replace(drive, steering=SteeringMotor(**robot.steering.model_dump())), ()
+    m = drive.steering
+    usual = f"{m.max_rate:g} rad/s, {m.max_torque:g} N m and a lag of {1e3 * m.lag:g} ms"
+    return drive, (f"no steering motors are stated; usual ones are taken: {usual}",)
 
 
 def _stated(d: WheelDrive) -> BaseDrive:
@@ -169,7 +185,7 @@ def _task(robot: Robot) -> Task:
     start = robot.start or StartTable.model_construct()
     found = Task(start=start.time, after=start.signal, done=robot.done)
     if robot.path is not None:
-        path = _path(robot.path)
+        path = _path(robot.path, robot.source.base)
         table = robot.path
         tolerance = PathTolerance(table.position_tolerance or beside(path.pose), table.heading_tolerance)
         return dataclasses.replace(found, path=path, tolerance=tolerance)
@@ -189,10 +205,11 @@ def beside(poses: Array) -> float:
     return max(BESIDE * float(np.ptp(poses[:, :2], axis=0).max()), LEAST)
 
 
-def _path(path: PathTable) -> ReferencePath:
+def _path(path: PathTable, base: WheelBase) -> ReferencePath:
     points = PATHS.make(path.shape, {field.name: getattr(path, field.name) for field in PATHS[path.shape].fields})
     limits = PathLimits(path.speed, path.acceleration)
-    return plan_path(points + np.array(path.origin), limits, laps=path.laps, heading=path.heading, start=path.angle)
+    heading = path.heading or ("fixed" if moves_sideways(base) else "tangent")
+    return plan_path(points + np.array(path.origin), limits, laps=path.laps, heading=heading, start=path.angle)
 
 
 def _check_limits(robot: Robot, planned: ReferencePath, path: Path, at: tuple[str | int, ...]) -> tuple[str, ...]:
@@ -222,17 +239,30 @@ def _check_path(robot: Robot, task: Task, path: Path, at: tuple[str | int, ...])
     assert task.path is not None
     base: WheelBase = robot.source.base
     notes = _check_limits(robot, task.path, path, at)
-    try:
-        if base.steered:
-            moving = np.abs(task.path.twist).max(axis=1) > 1e-3
-            base.steering(task.path.twist[moving])
-        else:
-            base.wheel_speeds(task.path.twist)
-    except InputError as problem:
-        if unsimulated(base) is None:
-            raise CellError(f"{place_in(path, *at, 'path')}: {problem}") from None
-        return (*notes, f"it cannot drive its path: {problem}")
-    return notes
+    found = _undrivable(base, task.path)
+    if found and unsimulated(base) is None:
+        raise CellError(f"{place_in(path, *at, 'path')}: {found}")
+    return (*notes, f"it cannot drive its path: {found}") if found else notes
+
+
+def _undrivable(base: WheelBase, path: ReferencePath) -> str:
+    """Why the wheels cannot roll along a path: where, and what they can; "" where they can."""
+    twist = path.twist[::EVERY]
+    away = np.abs((base.feasible(twist) - twist) * [1.0, 1.0, base.radius]).max(axis=1)
+    k = int(away.argmax())
+    if away[k] <= ASTRAY:
+        return ""
+    (vx, vy, w), (x, y) = twist[k], path.pose[::EVERY][k, :2]
+    where = f"at {path.time[::EVERY][k]:.2f} s, at ({x:.2f}, {y:.2f}) m,"
+    if abs(vy) > ASTRAY and not moves_sideways(base):
+        sideways = f"{where} it asks for {vy:.2g} m/s sideways, which these wheels cannot roll"
+        return f'{sideways}; heading = "tangent" looks along it'
+    if base.turning_radius < np.inf:
+        asked, least = (abs(vx / w) if w else np.inf), base.turning_radius
+        if asked >= least:
+            return f"{where} it asks for a curve of {asked:.3g} m, to which its wheels cannot be steered"
+        return f"{where} it asks for a curve of {asked:.3g} m; the tightest that these wheels drive is {least:.3g} m"
+    return f"{where} it asks for {np.degrees(w):.3g} deg/s; this base cannot turn"
 
 
 def _check_stand(base: WheelBase, path: Path, at: tuple[str | int, ...]) -> None:

@@ -23,6 +23,8 @@ def lame_warnings(job: BaseJob, floor: Floor) -> list[str]:
     if base.steered:
         return []
     for fault in sorted(job.faults, key=lambda fault: fault.time):
+        if fault.kind == "stuck":
+            continue
         wheel = base.driven.index(fault.wheel) if isinstance(fault.wheel, str) else fault.wheel
         lost |= 1 << wheel
         if fault.kind != "dead" or motors_hold_all(base, lost):

@@ -13,7 +13,7 @@ from pydantic import Field, ValidationInfo, field_validator, model_validator
 from holonom.app.cell.model.refusals import Faults, refuse
 from holonom.app.cell.model.robot import GripperTool, Robot
 from holonom.app.cell.model.sensor import ReadSensor, Sensor
-from holonom.app.cell.model.tasks import EventTable, FaultTable
+from holonom.app.cell.model.tasks import FAULTS, EventTable, FaultTable
 from holonom.app.cell.model.world import (
     About,
     Camera,
@@ -155,9 +155,13 @@ class Cell(Section):
             raise refuse(("robot",), problem) from None
         if robot.is_arm:
             raise refuse(("robot",), f"{robot.name!r} is an arm; motors of bases can break")
-        driven = robot.source.base.driven
-        if fault.wheel not in driven:
-            raise refuse(("wheel",), UnknownName("driven wheel", fault.wheel, driven), fault.wheel)
+        base = robot.source.base
+        if FAULTS[fault.kind] == "stuck":
+            kind, known = "steered wheel", [wheel.name for wheel in base.wheels if wheel.kind == "steered"]
+        else:
+            kind, known = "driven wheel", list(base.driven)
+        if fault.wheel not in known:
+            raise refuse(("wheel",), UnknownName(kind, fault.wheel, known), fault.wheel)
 
     def robot_of(self, name: str | None) -> Robot:
         """Return the robot of a name; for None the only one.

@@ -10,7 +10,16 @@ from holonom.app.fields.quantities import Fraction, OneOf, Quantity, Section, Te
 from holonom.errors import CellError, InputError
 from holonom.machine.levels import INTERPOLATIONS, Levels
 
-__all__ = ["ArmLimits", "BaseLimits", "BaseParts", "JointDrive", "LevelsTable", "WheelDrive", "levels_of"]
+__all__ = [
+    "ArmLimits",
+    "BaseLimits",
+    "BaseParts",
+    "JointDrive",
+    "LevelsTable",
+    "SteeringTable",
+    "WheelDrive",
+    "levels_of",
+]
 
 
 class WheelDrive(Section):
@@ -38,6 +47,23 @@ class WheelDrive(Section):
     """encoder counts per turn of the motor, after decoding"""
     wheel_inertia: Annotated[float, Quantity("inertia", "0.001gcm2", "100kgm2")]
     """of a wheel about its axle"""
+
+
+class SteeringTable(Section):
+    """Motors that steer the wheels of a base, all alike."""
+
+    max_rate: Annotated[float, Quantity("angular speed", "1deg/s", "36000deg/s")] = 6.0
+    """greatest turning speed of a wheel about its vertical axis"""
+    max_torque: Annotated[float, Quantity("torque", "1mNm", "100000Nm")] = 20.0
+    """greatest torque on it"""
+    lag: Annotated[float, Quantity("time", "1ms", "10s")] = 0.02
+    """time constant with which it follows an angle"""
+    backlash: Annotated[float, Quantity("angle", "0deg", "30deg")] = 0.0
+    """play between motor and wheel"""
+    inertia: Annotated[float, Quantity("inertia", "0.001gcm2", "100kgm2")] = 2e-3
+    """of wheel and motor about the vertical axis"""
+    counts_per_turn: Annotated[int, Strict(), Field(ge=4, le=10_000_000)] = 8192
+    """encoder counts per turn of the wheel"""
 
 
 class JointDrive(Section):

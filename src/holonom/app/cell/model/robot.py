@@ -18,7 +18,15 @@ from pydantic import (
 )
 from pydantic_core import core_schema
 
-from holonom.app.cell.model.drives import ArmLimits, BaseLimits, BaseParts, JointDrive, LevelsTable, WheelDrive
+from holonom.app.cell.model.drives import (
+    ArmLimits,
+    BaseLimits,
+    BaseParts,
+    JointDrive,
+    LevelsTable,
+    SteeringTable,
+    WheelDrive,
+)
 from holonom.app.cell.model.places import Placement
 from holonom.app.cell.model.refusals import Faults, read_form, refuse
 from holonom.app.cell.model.sources import ArmSource, BaseSource, ReadModel, form_schema
@@ -35,7 +43,7 @@ __all__ = ["GripperTool", "Robot", "RodTool"]
 
 _DEGREE = DIMENSIONS["angle"]["deg"]
 _ARM_ONLY = ("home", "tool", "program", "steady_tool")
-_BASE_ONLY = ("path", "velocity", "start", "done")
+_BASE_ONLY = ("steering", "path", "velocity", "start", "done")
 _TASKS = ("program", "path", "velocity", "hold")
 
 
@@ -189,6 +197,8 @@ class Robot(Section):
         Read(_drives, ({"enum": ["ideal", "from_limits"]}, WheelDrive, JointDrive, tuple[JointDrive, ...])),
     ] = None
     """motor, gear and encoder of joints or wheels, or "ideal", or "from_limits"; what its model states unless given"""
+    steering: SteeringTable | None = None
+    """motors that steer wheels; usual ones, which the check says, unless given"""
     pose: Placement | None = None
     """where it stands, in the world or in the frame that `on` names; a base starts there"""
     on: Annotated[str, Strict(), Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*(\.[A-Za-z][A-Za-z0-9_]*)?$")] | None = None

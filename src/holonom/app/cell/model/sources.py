@@ -83,6 +83,9 @@ class WheelTable(Section):
     """what it is called"""
 
 
+Moment = Annotated[float, Quantity("inertia", "0.001gcm2", "100000kgm2")]
+
+
 class BodyTable(Section):
     """What a base is beside its arrangement."""
 
@@ -92,6 +95,8 @@ class BodyTable(Section):
     """mass with wheels and motors"""
     mass_distribution: Annotated[float, Quantity("number", 0.01, 10.0)] = 0.5
     """alpha of the moment of inertia alpha M R2 about the centre of mass: 0.5 for a disc, 1 for a ring"""
+    inertia: tuple[Moment, Moment, Moment] | None = None
+    """instead of mass_distribution: moments of inertia about the centre of mass, about x, y and z"""
     com: Vector2 | None = None
     """centre of mass in base_link, forwards and to the left; unless stated, in the middle of its wheels"""
     height: Annotated[float, Quantity("length", "0mm", "5m")] = 0.0
@@ -201,7 +206,7 @@ def _one_by_one(given: Mapping[str, Any], info: ValidationInfo) -> BaseSource:
         wheels.append(Wheel.at(**table.model_dump()))
     return BaseSource("", None, WheelBase(
         wheels, name="base", alpha=body.mass_distribution, mass=body.mass, com=_com(body, wheels),
-        com_height=body.height,
+        com_height=body.height, inertia=body.inertia,
     ))  # fmt: skip
 
 
@@ -258,7 +263,8 @@ def _built(made: WheelBase, wheels: list[Wheel], body: BodyTable) -> WheelBase:
     shared = {name: group for name, group in groups.items() if len(group) > 1}
     base = WheelBase(
         wheels, name=made.name, radius=made.radius, alpha=body.mass_distribution, mass=body.mass,
-        com=_com(body, wheels), com_height=body.height, steering_groups=shared,
+        com=_com(body, wheels), com_height=body.height, inertia=body.inertia, steering_groups=shared,
+        suspension=made.suspension, balances=made.balances,
     )  # fmt: skip
     rollers = all(wheel.kind == "swedish" for wheel in wheels)
     if rollers and np.linalg.matrix_rank(base.velocity_coupling, tol=1e-6) < 3:

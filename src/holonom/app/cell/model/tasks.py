@@ -24,7 +24,7 @@ __all__ = [
     "TwistTable",
 ]
 
-FAULTS = {f"motor_{name}": name for name in MOTOR_FAULTS}
+FAULTS = {("steering_" if name == "stuck" else "motor_") + name: name for name in MOTOR_FAULTS}
 """What a cell calls the faults of motors."""
 
 SignalNumber = Annotated[int, Strict(), Field(ge=1, le=100_000)]
@@ -74,8 +74,9 @@ class PathTable(Section):
     """greatest acceleration on it, along and across together"""
     laps: Count = 1
     """times around"""
-    heading: Annotated[str, OneOf(HEADINGS)] = "fixed"
-    """where the base looks: always the same way, along the path, or once around per lap"""
+    heading: Annotated[str, OneOf(HEADINGS)] | None = None
+    """where the base looks: always the same way, along the path, or once around per lap; unless given, the same way; of
+    a base that cannot move sideways, along the path"""
     angle: Angle = 0.0
     """its heading at the start; against the path where it looks along it"""
     position_tolerance: Size | None = None
@@ -138,9 +139,9 @@ class FaultTable(Section):
     robot: Text | None = None
     """whose; needed where there are several"""
     kind: Annotated[str, OneOf(FAULTS)]
-    """a motor without current, whose wheel turns freely, or one that is jammed"""
+    """a motor without current, whose wheel turns freely, one that is jammed, or a steering motor that stays as it is"""
     wheel: Text
-    """name of the driven wheel"""
+    """name of the driven or steered wheel"""
 
 
 class EventTable(Section):

@@ -12,9 +12,9 @@ from holonom.app.cell.model.world import Patch
 from holonom.app.job import BaseJob
 from holonom.app.recording.scope import Scope
 from holonom.app.report import Box, Label, Shape, Tube
+from holonom.app.rig.wheel_frames import framed_wheels
 from holonom.arrays import Array
 from holonom.mobile import Wheel, WheelBase
-from holonom.sim.base.plant import SIMULATED
 from holonom.spatial import pose
 
 __all__ = ["patch_shapes", "path_shapes", "reach_of", "shapes_of_base"]
@@ -31,12 +31,14 @@ def shapes_of_base(job: BaseJob) -> list[Shape]:
     scope = Scope(job.name, ())
     base, body = job.base, scope.frame("base_link")
     shapes = _body(base, body)
-    number = castor = 0
+    framed = framed_wheels(base)
+    for number, (_, wheel) in enumerate(framed, 1):
+        shapes += _tyre(scope.frame(f"wheel_{number}"), wheel, np.eye(4))
+    castor = 0
     for wheel in base.wheels:
-        if wheel.driven and wheel.kind in SIMULATED:
-            number += 1
-            shapes += _tyre(scope.frame(f"wheel_{number}"), wheel, np.eye(4))
-        elif wheel.kind == "castor":
+        if wheel in [known for _, known in framed]:
+            continue
+        if wheel.kind == "castor":
             castor += 1
             shapes += _castor(scope.frame(f"castor_{castor}"), wheel)
         else:
@@ -82,7 +84,7 @@ def _body(base: WheelBase, frame: str) -> list[Shape]:
     """A drum above and between the wheels, with a mark at its front; its deck is as high as the frame "top"."""
     (x, y, rim), top = _rim(base), deck_height(base)
     r = max(wheel.radius for wheel in base.wheels)
-    on_ball = any(wheel.kind == "spherical" and wheel.driven for wheel in base.wheels)
+    on_ball = any(wheel.kind == "ball" or (wheel.kind == "spherical" and wheel.driven) for wheel in base.wheels)
     castors = [2.2 * wheel.radius for wheel in base.wheels if wheel.kind == "castor"]
     low = 1.6 * r if on_ball else min(max(0.35 * r, *castors, 0.0), top - 0.8 * r)
     return [
@@ -144,4 +146,4 @@ def _ball(frame: str, wheel: Wheel) -> list[Shape]:
     return [Tube(frame, (x, y, r - 1e-4), (x, y, r + 1e-4), r, RUBBER, rounded=True)]
 
 
-_FIXED = {"steered": _steered, "spherical": _ball}
+_FIXED = {"steered": _steered, "spherical": _ball, "ball": _ball}

@@ -50,7 +50,7 @@ def outline_of(base: WheelBase, castors: Array | None = None, steering: Array | 
     wheels = [
         WheelOutline(
             wheel.name, (float(place[0]), float(place[1])), wheel.heading + angle, wheel.radius, wheel.driven,
-            wheel.kind == "spherical", (wheel.x, wheel.y) if wheel.kind == "castor" else None,
+            wheel.kind in ("spherical", "ball"), (wheel.x, wheel.y) if wheel.kind == "castor" else None,
         )
         for wheel, place, angle in zip(base.wheels, contact_points(base, castors), turned, strict=True)
     ]  # fmt: skip
