@@ -9,6 +9,7 @@
 `drive_parameters`      a set and the motion matrix it makes, as `DriveParameters`
 `derived_parameters`    the same of any `WheelBase`, by the kinds of its wheels, as `DerivedParameters`
 `identifiability`       which numbers runs tell, and which of `STANDARD_RUNS` would help
+`end_scatter`           what no calibration takes away: scatter of ends, bumps, as an `EndScatter`
 `with_encoders`         a base whose odometry comes from other wheels than those with motors
 `article`               a drive with its article, for messages
 `wheels_of`             wheels and steered wheels of a drive, in the order of the columns
@@ -29,6 +30,7 @@ from holonom.mobile.calibration.derived import (
 )
 from holonom.mobile.calibration.identifiability import Combination, Identifiability, identifiability
 from holonom.mobile.calibration.least_squares import Calibration, calibrate, held_out_errors
+from holonom.mobile.calibration.nonsystematic import EndScatter, end_scatter
 from holonom.mobile.calibration.parameters import (
     DRIVES,
     SETS,
@@ -52,6 +54,7 @@ __all__ = [
     "Combination",
     "DerivedParameters",
     "DriveParameters",
+    "EndScatter",
     "Identifiability",
     "Motion",
     "Parameters",
@@ -65,6 +68,7 @@ __all__ = [
     "dead_reckoning",
     "derived_parameters",
     "drive_parameters",
+    "end_scatter",
     "held_out_errors",
     "identifiability",
     "known_parameters",
