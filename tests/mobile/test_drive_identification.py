@@ -16,7 +16,7 @@ def driven(k: np.ndarray, *, dt: float = 0.01, kind: str = "both") -> tuple[np.n
     t = np.arange(0.0, 14.0, dt)
     V = np.where(t < 6.0, 0.8 * t, 0.0)
     V[(t >= 7.0) & (t < 9.0)], V[(t >= 10.0) & (t < 12.0)] = 5.0, -4.0
-    V = {"both": V, "steady": np.where(t < 0.01, 0.0, 5.0), "still": np.minimum(V, 0.5 * k[0])}[kind]
+    V = {"both": V, "steady": np.where(t < 0.01, 0.0, 5.0), "still": np.clip(V, -0.5 * k[0], 0.5 * k[0])}[kind]
     if kind == "steady":
         t, V = t[700:] - t[700], V[700:]
     w, phi, rows, fine = (V[0] - k[0]) / k[1] if kind == "steady" else 0.0, 0.0, [], 50
