@@ -9,6 +9,7 @@
 `drive_parameters`      a set and the motion matrix it makes, as `DriveParameters`
 `derived_parameters`    the same of any `WheelBase`, by the kinds of its wheels, as `DerivedParameters`
 `identifiability`       which numbers runs tell, and which of `STANDARD_RUNS` would help
+`error_growth`          how errors of the wheels grow along a run, by propagation and by simulated runs; `CAUSES`
 `end_scatter`           what no calibration takes away: scatter of ends, bumps, as an `EndScatter`
 `with_encoders`         a base whose odometry comes from other wheels than those with motors
 `article`               a drive with its article, for messages
@@ -28,6 +29,7 @@ from holonom.mobile.calibration.derived import (
     known_parameters,
     with_encoders,
 )
+from holonom.mobile.calibration.error_growth import CAUSES, ErrorGrowth, error_growth
 from holonom.mobile.calibration.identifiability import Combination, Identifiability, identifiability
 from holonom.mobile.calibration.least_squares import Calibration, calibrate, held_out_errors
 from holonom.mobile.calibration.nonsystematic import EndScatter, end_scatter
@@ -46,6 +48,7 @@ from holonom.mobile.calibration.standard_runs import STANDARD_RUNS, standard_run
 from holonom.mobile.calibration.umbmark import UMBmark, umbmark
 
 __all__ = [
+    "CAUSES",
     "DRIVES",
     "SETS",
     "STANDARD_RUNS",
@@ -55,6 +58,7 @@ __all__ = [
     "DerivedParameters",
     "DriveParameters",
     "EndScatter",
+    "ErrorGrowth",
     "Identifiability",
     "Motion",
     "Parameters",
@@ -69,6 +73,7 @@ __all__ = [
     "derived_parameters",
     "drive_parameters",
     "end_scatter",
+    "error_growth",
     "held_out_errors",
     "identifiability",
     "known_parameters",

@@ -17,12 +17,12 @@ import numpy as np
 
 from holonom.arrays import Array
 from holonom.errors import CalibrationError, UnknownName
-from holonom.mobile.base.wheel import KINDS
+from holonom.mobile.base.wheel import KINDS, Wheel
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.calibration.parameters import SETS, Parameters, Sampled, drive_parameters
 from holonom.mobile.calibration.runs import Motion, Run
 
-__all__ = ["DerivedParameters", "derived_parameters", "known_parameters", "with_encoders"]
+__all__ = ["DerivedParameters", "derived_parameters", "error_parameters", "known_parameters", "with_encoders"]
 
 
 STEP = 1e-40  # imaginary step: its square is nothing beside any number
@@ -47,6 +47,7 @@ class DerivedParameters:
     scale : (p,) by how much each may reasonably be wrong altogether.
     gauge : numbers that no motion tells from those before them -> these.
     effects : how each parameter changes the base.
+    held : weight of wheels that must not slide beside those that roll.
     """
 
     base: WheelBase
@@ -56,6 +57,7 @@ class DerivedParameters:
     scale: Array
     gauge: Mapping[str, tuple[str, ...]]
     effects: tuple[Effect, ...]
+    held: float = HELD
 
     @property
     def drive(self) -> str:
@@ -64,7 +66,17 @@ class DerivedParameters:
 
     def sampled(self, run: Run, p: Array) -> Sampled:
         """Increments of a run and what its wheels count beyond any motion, with their derivatives."""
-        return _sampled(self.base, self.effects, run, p)
+        return _sampled(self.base, self.effects, run, p, self.held)
+
+    def increments_of(self, run: Run, p: Array) -> Array:
+        """Increments (P, N, 3) of a run at P sets of parameters (P, p)."""
+        return _moved(self.base, _geometry(self.base, self.effects, p), run, self.held)[0]
+
+    def by_turns(self, run: Run) -> Array:
+        """Increments (N, 3, m) per turn of each wheel, at the nominal numbers."""
+        unit = np.eye(run.turns.shape[1])
+        runs = [Run(run.name, run.time, np.tile(row, (len(run.time), 1)), run.truth, run.steering) for row in unit]
+        return np.stack([self._moved(one, self.nominal) for one in runs], axis=-1)
 
     def motion(self, p: Array) -> Array | Motion:
         """What `dead_reckoning` takes: the motion matrix (3, f), of a base that steers a `Motion`."""
@@ -75,7 +87,7 @@ class DerivedParameters:
         return Motion(lambda run: self._moved(run, p), self.base.radius)
 
     def _moved(self, run: Run, p: Array) -> Array:
-        return np.ascontiguousarray(_moved(self.base, _geometry(self.base, self.effects, p[None]), run)[0][0])
+        return np.ascontiguousarray(self.increments_of(run, p[None])[0])
 
 
 class _Geometry(NamedTuple):
@@ -148,6 +160,28 @@ def known_parameters(
     return drive_parameters(drive, nominal or {}, set_name)
 
 
+def error_parameters(base: WheelBase, cause: str) -> DerivedParameters:
+    """What may be wrong with each wheel: its "radius", or by "mounting" the direction in which it stands or is steered.
+
+    Wheels that stand otherwise than their axle drag each other: their sliding then counts as much as their rolling.
+    """
+    wheels, n = base.wheels, len(base.wheels)
+    if cause == "radius":
+        found = [Effect(f"radius_{_word(w)}", w.radius, w.radius, (("radius", _one(i, n)),))
+                 for i, w in enumerate(wheels) if w.driven]  # fmt: skip
+    else:
+        rolls = (*HELD_KINDS, "swedish", "ball")
+        found = [Effect(f"direction_{_word(w)}", 0.0, 1.0, (("axle", _one(i, n)),))
+                 for i, w in enumerate(wheels) if w.kind in rolls]  # fmt: skip
+    nominal, scale = (np.array([getattr(e, name) for e in found]) for name in ("nominal", "scale"))
+    held = HELD if cause == "radius" else 1.0
+    return DerivedParameters(base, "extended", tuple(e.name for e in found), nominal, scale, {}, tuple(found), held)
+
+
+def _word(wheel: Wheel) -> str:
+    return wheel.name.replace(" ", "_")
+
+
 def with_encoders(base: WheelBase, names: Sequence[str]) -> WheelBase:
     """The same base for odometry from other wheels than those with motors: free wheels with encoders tell as much.
 
@@ -176,7 +210,7 @@ def with_encoders(base: WheelBase, names: Sequence[str]) -> WheelBase:
 def _physical(base: WheelBase) -> list[Effect]:
     wheels = base.wheels
     found = [
-        Effect(f"radius_{w.name.replace(' ', '_')}", w.radius, w.radius, (("radius", _one(i, len(wheels))),))
+        Effect(f"radius_{_word(w)}", w.radius, w.radius, (("radius", _one(i, len(wheels))),))
         for i, w in enumerate(wheels)
         if w.driven
     ]
@@ -208,7 +242,7 @@ def _extended(base: WheelBase) -> list[Effect]:
         gammas = np.array([w.roller_angle if i in tilted else 0.0 for i, w in enumerate(wheels)])
         size = float(np.abs(gammas).max())
         found.append(Effect("roller_angle", size, 1.0, (("roller", gammas / size),)))
-    own = [(i, w.name.replace(" ", "_")) for i, w in enumerate(wheels) if w.driven and w.kind in ("swedish", "steered")]
+    own = [(i, _word(w)) for i, w in enumerate(wheels) if w.driven and w.kind in ("swedish", "steered")]
     found += [Effect(f"direction_{name}", 0.0, 1.0, (("axle", _one(i, n)),)) for i, name in own]
     for axis, values in (("x", [w.x for w in wheels]), ("y", [w.y for w in wheels])):
         found += [Effect(f"{axis}_{name}", values[i], R, ((axis, _one(i, n)),)) for i, name in own]
@@ -263,17 +297,17 @@ def _geometry(base: WheelBase, effects: Sequence[Effect], p: Array) -> _Geometry
     return _Geometry(**fields)
 
 
-def _sampled(base: WheelBase, effects: Sequence[Effect], run: Run, p: Array) -> Sampled:
+def _sampled(base: WheelBase, effects: Sequence[Effect], run: Run, p: Array, held: float = HELD) -> Sampled:
     q = len(p)
     steps = np.concatenate([p[None] + 0j, p + 1j * STEP * np.eye(q)])
     parts: list[Array] = []
-    for found in _moved(base, _geometry(base, effects, steps), run):
+    for found in _moved(base, _geometry(base, effects, steps), run, held):
         slopes = np.moveaxis(found[1:].imag, 0, -1) / STEP
         parts += [np.ascontiguousarray(found[0].real), np.ascontiguousarray(slopes)]
     return Sampled(*parts)
 
 
-def _moved(base: WheelBase, g: _Geometry, run: Run) -> tuple[Array, Array]:
+def _moved(base: WheelBase, g: _Geometry, run: Run, held: float) -> tuple[Array, Array]:
     """Increments (P, N, 3) of P geometries: the model of `WheelBase.twist`, sliding rows of fixed wheels heavy.
 
     The angle of a steered wheel is measured, like the turn of a driven one: where their axles do not meet in one point
@@ -300,9 +334,9 @@ def _moved(base: WheelBase, g: _Geometry, run: Run) -> tuple[Array, Array]:
             spin[..., 2] = wheel.radius
             rolling.append(np.stack([c, s, x * s - y * c], axis=-1))
             sliding.append(spin)
-            weights.append(HELD)
+            weights.append(held)
         if wheel.kind in HELD_KINDS:
-            weights.append(1.0 if wheel.kind == "steered" else HELD)
+            weights.append(1.0 if wheel.kind == "steered" else held)
             sliding.append(np.stack([c, s, x * s - y * c], axis=-1))
     scale = np.array([1.0, 1.0, 1.0 / base.radius])
     D = np.stack(rolling, axis=-2) * scale
