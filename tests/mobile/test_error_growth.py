@@ -25,9 +25,10 @@ def test_propagation_agrees_with_simulated_runs(kind: str) -> None:
         way = np.hypot(*np.diff(run.truth[:, :2], axis=0).T).sum()
         for cause in CAUSES:
             told, seen = error_growth(base, run, cause, runs=400)
-            place, heading = (np.array([np.hypot(*v[:2]), v[2]]) for v in (told, seen))
+            ours, theirs = (np.array([np.hypot(*v[:2]), v[2]]) for v in (told, seen))
             second = cause == "mounting"
-            for (a, b), least in ((place, (5e-3 if second else 1e-4) * way + 1e-3), (heading, 0.035 if second else 1e-4)):
+            floors = ((5e-3 if second else 1e-4) * way + 1e-3, 0.035 if second else 1e-4)
+            for a, b, least in zip(ours, theirs, floors, strict=True):
                 assert a == pytest.approx(b, rel=0.15, abs=0.0 if a > least else least), (name, cause)
     assert "straight" in drove
 
