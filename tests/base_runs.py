@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 import numpy as np
 
@@ -72,11 +71,12 @@ def log_of(
     base: WheelBase, truth: Mapping[str, float], rng: np.random.Generator, *, samples: int = 240, slip: float = 0.0,
     place: float = 0.0, heading: float = 0.0, ticks: int = 0, name: str = "run",
 ) -> Run:  # fmt: skip
-    """A wandering run. `slip` is a random walk of the base per root of the way; `place`, `heading` noise of the truth."""
+    """A wandering run; `slip` is a random walk of the base per root of the way, `place`, `heading` are the truth's."""
     real = true_base(base, truth)
     time = DT * np.arange(samples)
     wave = sum(
-        np.sin(rng.uniform(0.3, 1.6, 3) * time[:, None] + rng.uniform(0.0, 6.0, 3)) * rng.normal(size=3) for _ in range(3)
+        np.sin(rng.uniform(0.3, 1.6, 3) * time[:, None] + rng.uniform(0.0, 6.0, 3)) * rng.normal(size=3)
+        for _ in range(3)
     )
     twists = wave * [0.4, 0.3, 1.0]
     if any(w.kind == "fixed" for w in base.wheels) and base.steered:
@@ -88,7 +88,11 @@ def log_of(
         twists[:, 2] = 0.4 * np.tanh(wave[:, 2])
     twists = real.feasible(twists)
     steering = real.steering(twists, np.zeros((samples, len(base.steered)))) if base.steered else np.empty((samples, 0))
-    turns = DT * real.wheel_speeds(twists, steering, tolerance=1e-6) if base.steered else DT * real.wheel_speeds(twists, tolerance=np.inf)
+    turns = (
+        DT * real.wheel_speeds(twists, steering, tolerance=1e-6)
+        if base.steered
+        else DT * real.wheel_speeds(twists, tolerance=np.inf)
+    )
     turns[0] = 0.0
     way = np.abs(turns).mean(axis=1)[:, None]
     moved = DT * twists + slip * np.sqrt(way) * rng.normal(size=(samples, 3))

@@ -23,7 +23,9 @@ GEOMETRY = {
 NOISE = {"slip": 0.001, "place": 0.0005, "heading": 0.001, "ticks": 4096}
 
 
-def written(kind: str, folder: Path, *, runs: str = "csv", bumped: tuple[str, ...] = ()) -> tuple[Path, dict[str, float]]:
+def written(
+    kind: str, folder: Path, *, runs: str = "csv", bumped: tuple[str, ...] = ()
+) -> tuple[Path, dict[str, float]]:
     parameters, rng = derived_parameters(BASES[kind]), np.random.default_rng(4)
     truth = parameters.nominal + 0.02 * parameters.scale * rng.uniform(-1.0, 1.0, len(parameters.names))
     numbers = dict(zip(parameters.names, truth.tolist(), strict=True))

@@ -1,4 +1,4 @@
-"""Intervals of two deviations hold the true numbers of any arrangement, over a hundred logs with slip and noise each."""
+"""Intervals of two deviations hold the true numbers of any arrangement: a hundred logs each, with slip and noise."""
 
 from __future__ import annotations
 

@@ -73,8 +73,16 @@ def test_logs_without_excitation_and_wrong_ones() -> None:
     still, steady = driven(k, kind="still"), driven(k, kind="steady")
     for call, problem, match in (
         (lambda: identify_drive(*still[:2], angle=still[2]), CalibrationError, "never turns: record a slow ramp"),
-        (lambda: identify_drive(*steady[:2], angle=steady[2]), CalibrationError, "does not tell .*: record a slow ramp"),
-        (lambda: identify_drive(t[:60], V[700:760], speed=w[700:760]), CalibrationError, "windows of 0.4 s, 6 are needed"),
+        (
+            lambda: identify_drive(*steady[:2], angle=steady[2]),
+            CalibrationError,
+            "does not tell .*: record a slow ramp",
+        ),
+        (
+            lambda: identify_drive(t[:60], V[700:760], speed=w[700:760]),
+            CalibrationError,
+            "windows of 0.4 s, 6 are needed",
+        ),
         (lambda: identify_drive(t, V), CalibrationError, "either the wheel's angle or its speed"),
         (lambda: identify_drive(t, V, angle=phi, speed=w), CalibrationError, "either the wheel's angle or its speed"),
         (lambda: identify_drive(t, V[:-1], angle=phi), ShapeError, "give as many of each"),

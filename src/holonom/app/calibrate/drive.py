@@ -90,7 +90,9 @@ def _listed(path: Path) -> tuple[dict[str, _Wheel], tuple[str, ...]]:
     time = table.column("time")
     if np.any(np.diff(time) <= 0.0):
         row = int(np.argmax(np.diff(time) <= 0.0)) + 1
-        table.fault(row, "time", f"{time[row]:g} s after {time[row - 1]:g} s; time must grow: sort the log or cut it there")
+        table.fault(
+            row, "time", f"{time[row]:g} s after {time[row - 1]:g} s; time must grow: sort the log or cut it there"
+        )
     wheels = {name or "motor": _wheel(table, name) for name in names}
     used = {"time", *(_column(kind, name) for name in names for kind in ("voltage", "angle", "speed"))}
     ignored = [name for name in table.names if name not in used]
@@ -101,7 +103,9 @@ def _wheel(table: Table, name: str) -> _Wheel:
     angle, speed = (_column(kind, name) for kind in ("angle", "speed"))
     has = [column for column in (angle, speed) if column in table.names]
     if not has:
-        raise LogError(f"{table.path}:1: {_column('voltage', name)} came without {angle} or {speed}; record one of them")
+        raise LogError(
+            f"{table.path}:1: {_column('voltage', name)} came without {angle} or {speed}; record one of them"
+        )
     voltage = table.column(_column("voltage", name))
     if has[0] == angle:
         return _Wheel(table.column("time"), voltage, table.column(angle), None)

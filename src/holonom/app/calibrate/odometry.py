@@ -242,7 +242,9 @@ def _told(log: OdometryLog, set_name: str, rule: str) -> dict[str, Any]:
     """Which numbers the runs tell, which only little, and which run would help."""
     found = identifiability(log.runs, *_asked(log), set_name=set_name, rule=rule)
     return {
-        "weak": [{"shares": dict(one.shares), "told": one.told, "run": one.run, "text": one.text()} for one in found.weak],
+        "weak": [
+            {"shares": dict(one.shares), "told": one.told, "run": one.run, "text": one.text()} for one in found.weak
+        ],
         "never_told": {name: list(others) for name, others in found.gauge.items()},
     }
 
@@ -284,7 +286,11 @@ def _scatter(log: OdometryLog, motion: Array | Motion, rule: str) -> dict[str, A
     return {
         "courses": list(found.courses),
         "spread_m": _number(found.spread),
-        "deviations": {"x_m": _number(sizes[0]), "y_m": _number(sizes[1]), "heading_deg": _number(np.degrees(sizes[2]))},
+        "deviations": {
+            "x_m": _number(sizes[0]),
+            "y_m": _number(sizes[1]),
+            "heading_deg": _number(np.degrees(sizes[2])),
+        },
         "bump_deg": _number(math.degrees(found.bump)),
     }
 

@@ -34,7 +34,9 @@ def run(options: Options) -> Answer:
     if options.resistance is not None and options.torque_constant is not None:
         motor = MotorConstants(options.resistance, options.torque_constant, options.back_emf_constant, options.gear)
     elif any(value is not None for value in (options.resistance, options.torque_constant, options.back_emf_constant)):
-        raise CalibrationError("--resistance and --torque-constant are needed together, for friction and inertia in N m")
+        raise CalibrationError(
+            "--resistance and --torque-constant are needed together, for friction and inertia in N m"
+        )
     return calibrate_drive(options.log, motor=motor, output=options.output)
 
 

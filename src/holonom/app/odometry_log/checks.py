@@ -99,7 +99,10 @@ def check_motion(table: Table, run: Run, parameters: Parameters, wheels: Sequenc
         return ()
     miss, frame = check_columns(table, run, motion, wheels)
     _check_truth(table, run)
-    notes = (*judge_miss(table, miss), *note_spells(table, run, motion if frame is None else seen_from(motion, frame), wheels))
+    notes = (
+        *judge_miss(table, miss),
+        *note_spells(table, run, motion if frame is None else seen_from(motion, frame), wheels),
+    )
     if frame is None:
         return notes
     turned = f"{table.path}: the truth's frame is turned by {np.degrees(frame[2]):.1f} degrees against the base"

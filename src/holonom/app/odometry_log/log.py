@@ -16,7 +16,7 @@ __all__ = ["Columns", "OdometryLog", "Subject", "subject_of"]
 
 
 class Columns(NamedTuple):
-    """Names of a log's columns: of wheels, of steering, and of the joints that steer (less the ending of MCAP files)."""
+    """Names of columns: of wheels, of steering, and of the joints that steer, less the ending that MCAP files have."""
 
     wheels: tuple[str, ...]
     steering: tuple[str, ...]
@@ -50,7 +50,9 @@ class Subject:
         if self.base is None:
             wheels, joints = wheels_of(self.drive)
             return Columns(wheels, ("steering",) * len(joints), joints)
-        wheels, joints = (tuple(name.replace(" ", "_") for name in names) for names in (self.base.driven, self.base.steered))
+        wheels, joints = (
+            tuple(name.replace(" ", "_") for name in names) for names in (self.base.driven, self.base.steered)
+        )
         alone = ("steering",) if len(joints) == 1 else tuple(f"{name}_steering" for name in joints)
         return Columns(wheels, alone, joints)
 

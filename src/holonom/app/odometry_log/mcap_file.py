@@ -16,9 +16,9 @@ import numpy as np
 from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
 from mcap.writer import CompressionType, Writer
 
+from holonom.app.odometry_log.log import Columns
 from holonom.app.odometry_log.recorded.bag import DAMAGED, messages_of
 from holonom.app.odometry_log.recorded.truth_messages import TRUTHS, poses_of
-from holonom.app.odometry_log.log import Columns
 from holonom.app.odometry_log.table import Table
 from holonom.app.recording.format.cdr import ENCAPSULATION, CdrReader
 from holonom.app.recording.format.messages import (

@@ -32,9 +32,10 @@ names = { left = "wheel_left_joint" }
 ```
 
 The first line of a CSV file names its columns, in any order: `time`, one per wheel of the drive (`left`, `right`),
-`steering` for a tricycle, of a base that steers by several angles `front_left_steering` and so on, and `x`, `y`, `theta` of the truth where there is one. Commas, semicolons (numbers may then
-have decimal commas) or tabs separate them; other columns are noted and not read. Where wheels and truth come at two
-rates the cells of what was not sampled are empty, and the truth is interpolated to the times of the wheels.
+`steering` for one steered wheel (of several `front_left_steering` and so on), and `x`, `y`, `theta` of the truth where
+there is one. Commas, semicolons (numbers may then have decimal commas) or tabs separate them; other columns are noted
+and not read. Where wheels and truth come at two rates the cells of what was not sampled are empty, and the truth is
+interpolated to the times of the wheels.
 """
 
 from __future__ import annotations

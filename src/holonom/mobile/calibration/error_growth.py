@@ -17,8 +17,9 @@ import numpy as np
 from holonom.arrays import Array
 from holonom.errors import OutOfLimits, UnknownName
 from holonom.mobile.base.wheel_base import WheelBase
-from holonom.mobile.calibration.derived import DerivedParameters, error_parameters
+from holonom.mobile.calibration.derived import DerivedParameters
 from holonom.mobile.calibration.runs import Run
+from holonom.mobile.equations.varied_wheels import HELD, HELD_KINDS, Effect
 from holonom.mobile.odometry import integrate
 from holonom.mobile.odometry.kernels import sensitivities_into
 
@@ -63,7 +64,7 @@ def error_growth(
     if not (np.isfinite(sigma) and sigma > 0.0 and runs > 1):
         raise OutOfLimits(f"a size of {sigma} and {runs} runs came; a size above zero and two runs or more are allowed")
     rng = np.random.default_rng(seed)
-    parameters = error_parameters(base, "mounting" if cause == "mounting" else "radius")
+    parameters = _wrong(base, "mounting" if cause == "mounting" else "radius")
     nominal = parameters.nominal
     if cause == "slip":
         ways = np.maximum(np.abs(run.turns), 1e-12) * base.wheel_radii  # m of each rim in each sample
@@ -97,7 +98,7 @@ def _slopes(parameters: DerivedParameters, run: Run) -> Array:
 
 def _slipping(run: Run, parameters: DerivedParameters, share: Array) -> Array:
     """Deviations (3,) of the last pose by independent shares (N, m) of each turn."""
-    n, m = run.turns.shape
+    m = run.turns.shape[1]
     by_turn = parameters.by_turns(run)  # (N, 3, m)
     at = parameters.sampled(run, parameters.nominal).increments
     poses = integrate(at, rule="exact")
@@ -113,3 +114,21 @@ def _slipping(run: Run, parameters: DerivedParameters, share: Array) -> Array:
         moved += step[:, 2:] * np.stack([-lever[:, 1], lever[:, 0]], axis=1)
         total += np.array([(moved[:, 0] ** 2).sum(), (moved[:, 1] ** 2).sum(), (step[:, 2] ** 2).sum()])
     return np.sqrt(total)
+
+
+def _wrong(base: WheelBase, cause: str) -> DerivedParameters:
+    """What may be wrong with each wheel: its "radius", or by "mounting" the direction in which it stands or is steered.
+
+    Wheels that stand otherwise than their axle drag each other: their sliding then counts as much as their rolling.
+    """
+    wheels, n = base.wheels, len(base.wheels)
+    if cause == "radius":
+        found = [Effect(f"radius_{w.name}", w.radius, w.radius, (("radius", np.eye(n)[i]),))
+                 for i, w in enumerate(wheels) if w.driven]  # fmt: skip
+    else:
+        rolls = (*HELD_KINDS, "swedish", "ball")
+        found = [Effect(f"direction_{w.name}", 0.0, 1.0, (("axle", np.eye(n)[i]),))
+                 for i, w in enumerate(wheels) if w.kind in rolls]  # fmt: skip
+    nominal, scale = (np.array([getattr(e, name) for e in found]) for name in ("nominal", "scale"))
+    held = HELD if cause == "radius" else 1.0
+    return DerivedParameters(base, "extended", tuple(e.name for e in found), nominal, scale, {}, tuple(found), held)

@@ -284,7 +284,9 @@ def _weight(final_weight: float) -> float:
 
 def _check_reach(x: Array, parameters: Parameters) -> None:
     """A parameter that moved by as much as it is: the motion did not hold it, or the log is not of this robot."""
-    free = [name.startswith(("frame_", "direction", "x_", "y_", "centre")) for name in parameters.names]  # a marker may be anywhere
+    free = [
+        name.startswith(("frame_", "direction", "x_", "y_", "centre")) for name in parameters.names
+    ]  # a marker may be anywhere
     far = (np.abs(x) > 0.9) & ~np.array(free)
     if far.any():
         named = ", ".join(name for name, away in zip(parameters.names, far, strict=True) if away)

@@ -75,7 +75,9 @@ def end_scatter(
         plain = ends[(of == k) & ~rough]
         if not len(plain):
             names = ", ".join(run.name for run, course in zip(runs, courses, strict=True) if course == k)
-            raise CalibrationError(f"runs {names} went over bumps and none of that course did not; drive it plainly too")
+            raise CalibrationError(
+                f"runs {names} went over bumps and none of that course did not; drive it plainly too"
+            )
         common[k] = plain.mean(axis=0)
     rest = (ends - common[of])[~rough]
     free = len(rest) - count

@@ -19,8 +19,8 @@ from holonom.errors import CalibrationError, OutOfLimits, UnknownName
 from holonom.mobile.calibration.runs import Motion, Run
 
 __all__ = [
-    "DRIVES", "SETS", "DriveParameters", "Parameters", "Sampled", "article", "drive_parameters", "seen_from", "turned_frame",
-    "wheels_of",
+    "DRIVES", "SETS", "DriveParameters", "Parameters", "Sampled", "article", "drive_parameters", "seen_from",
+    "turned_frame", "wheels_of",
 ]  # fmt: skip
 
 
@@ -33,8 +33,8 @@ class Sampled(NamedTuple):
     Attributes
     ----------
     increments, slopes : (N, 3) of the base in the truth's frame, m and rad, and their derivatives (N, 3, p).
-    strain, strain_slopes : (N, k) what wheels count beyond any motion of a rigid base, rad, and its derivatives (N, k, p);
-        k may be 0.
+    strain, strain_slopes : (N, k) what wheels count beyond any motion of a rigid base, rad, and its derivatives
+        (N, k, p); k may be 0.
     """
 
     increments: Array

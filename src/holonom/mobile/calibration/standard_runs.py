@@ -56,7 +56,7 @@ def standard_run(base: WheelBase, name: str) -> Run | None:
     turns[0] = 0.0
     moved = PERIOD * twists
     moved[0] = 0.0
-    return Run(name, PERIOD * np.arange(len(twists)), turns, integrate(moved, rule="exact"), steering)
+    return Run(name, PERIOD * np.arange(len(twists), dtype=np.float64), turns, integrate(moved, rule="exact"), steering)
 
 
 def _twists(base: WheelBase, name: str) -> Array | None:

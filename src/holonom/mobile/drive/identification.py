@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -113,8 +114,10 @@ def identify_drive(
         raise CalibrationError("give either the wheel's angle or its speed")
     signal = _row("angle" if speed is None else "speed", angle if speed is None else speed)
     if not (len(t) == len(V) == len(signal)) or len(t) < LEAST or not np.all(np.diff(t) > 0.0):
-        raise ShapeError(f"{len(t)} times, {len(V)} voltages, {len(signal)} angles or speeds came; give as many of each, "
-                         f"{LEAST} or more, of time that grows")  # fmt: skip
+        raise ShapeError(
+            f"{len(t)} times, {len(V)} voltages, {len(signal)} angles or speeds came; give as many of each, {LEAST} or "
+            "more, of time that grows"
+        )
     edges, sense = _turning(t, signal, speed is not None)
     rows, right, weights = _equations(t, V, signal, edges, sense, by_angle=speed is None)
     if len(rows) < FEWEST:
@@ -163,11 +166,13 @@ def _turning(t: Array, signal: Array, is_speed: bool) -> tuple[list[tuple[int, i
         speed = (signal[b] - signal[a]) / (t[b] - t[a])
     fastest = float(np.abs(speed).max())
     if fastest == 0.0:
-        raise CalibrationError("it never turns: record a slow ramp of the voltage and a step, beyond its static friction")
+        raise CalibrationError(
+            "it never turns: record a slow ramp of the voltage and a step, beyond its static friction"
+        )
     sign = np.sign(speed) * (np.abs(speed) > SLOW * fastest)
     edges = [0, *(np.flatnonzero(np.diff(sign)) + 1).tolist(), len(t)]
     found, sense = [], []
-    for first, last in zip(edges[:-1], edges[1:], strict=True):
+    for first, last in pairwise(edges):
         inner = (first + half, last - 1 - half)
         if sign[first] != 0.0 and t[min(inner[1], len(t) - 1)] - t[inner[0] if inner[0] < len(t) else -1] > 0.5 * span:
             found.append(inner)
@@ -222,7 +227,7 @@ def _window(first: int, t: Array, *, by_angle: bool) -> _Window:
 
 
 def _fitted(rows: Array, right: Array, windows: list[_Window]) -> DriveConstants:
-    size = np.linalg.norm(rows, axis=0)
+    size: Array = np.asarray(np.linalg.norm(rows, axis=0), dtype=np.float64)
     if np.any(size == 0.0):
         raise CalibrationError("its speed never changes: record a slow ramp of the voltage and a step")
     k = np.linalg.lstsq(rows / size, right, rcond=None)[0] / size
@@ -230,19 +235,18 @@ def _fitted(rows: Array, right: Array, windows: list[_Window]) -> DriveConstants
     for _ in range(3):  # noise of the angle goes through the constants themselves
         root = _whitener(windows, k)
         A, b = root @ rows, root @ right
-        size = np.linalg.norm(A, axis=0)
+        size = np.asarray(np.linalg.norm(A, axis=0), dtype=np.float64)
         k = np.linalg.lstsq(A / size, b, rcond=None)[0] / size
     left = b - A @ k
     variance = float(left @ left) / (len(b) - 3)
-    covariance = variance * np.linalg.pinv(A.T @ A / np.outer(size, size), rcond=1e-14, hermitian=True)
+    covariance: Array = variance * np.linalg.pinv(A.T @ A / np.outer(size, size), rcond=1e-14, hermitian=True)
     covariance /= np.outer(size, size)
-    _check_open(k, covariance, A / size, size)
+    _check_open(k, covariance, np.asarray(A / size), size)
     area = np.array([window.by_voltage.sum() for window in windows])
     sigma = np.sqrt(np.diagonal(covariance))
-    return DriveConstants(
-        *(Estimate(float(v), float(s)) for v, s in zip(k, sigma, strict=True)), covariance,
-        float(np.sqrt((((right - rows @ k) / area) ** 2).mean())),
-    )  # fmt: skip
+    kS, kV, kA = (Estimate(float(v), float(s)) for v, s in zip(k, sigma, strict=True))
+    misfit = float(np.sqrt((((right - rows @ k) / area) ** 2).mean()))
+    return DriveConstants(kS, kV, kA, covariance, misfit)
 
 
 def _whitener(windows: list[_Window], k: Array) -> Array:
