@@ -94,6 +94,7 @@ class OdometryLog:
     runs : in the order of the files.
     sides : the different ones of logs that were joined, m.
     bumped : names of the runs that went over bumps.
+    base : wheels that a recording describes, where neither drive nor arrangement says them.
     notes : what a reader should know: runs that are missing, gaps that were let pass.
     """
 
@@ -105,8 +106,11 @@ class OdometryLog:
     notes: tuple[str, ...] = ()
     sides: tuple[float, ...] = ()
     bumped: tuple[str, ...] = ()
+    base: WheelBase | None = None
 
     @property
     def subject(self) -> Subject:
         """What was driven."""
+        if self.base is not None:
+            return Subject(self.drive, self.nominal, self.base)
         return subject_of(self.drive, self.nominal)

@@ -239,8 +239,8 @@ def _fitted(rows: Array, right: Array, windows: list[_Window]) -> DriveConstants
         k = np.linalg.lstsq(A / size, b, rcond=None)[0] / size
     left = b - A @ k
     variance = float(left @ left) / (len(b) - 3)
-    covariance: Array = variance * np.linalg.pinv(A.T @ A / np.outer(size, size), rcond=1e-14, hermitian=True)
-    covariance /= np.outer(size, size)
+    inverse = np.linalg.pinv(A.T @ A / np.outer(size, size), rcond=1e-14, hermitian=True)
+    covariance = np.asarray(variance * inverse / np.outer(size, size), dtype=np.float64)
     _check_open(k, covariance, np.asarray(A / size), size)
     area = np.array([window.by_voltage.sum() for window in windows])
     sigma = np.sqrt(np.diagonal(covariance))
