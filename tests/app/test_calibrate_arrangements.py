@@ -86,3 +86,34 @@ def test_steering_that_counts_the_other_way_is_named(tmp_path: Path) -> None:
 def test_bumped_runs_are_named_in_the_log(tmp_path: Path) -> None:
     path, _ = written("differential", tmp_path, bumped=("run-1",))
     assert read_log([path]).bumped == ("002-run-1",)
+
+
+def test_a_gyro_and_an_optical_sensor_beside_the_wheels(tmp_path: Path) -> None:
+    """Their numbers come back from columns `gyro`, `flow_x`, `flow_y`."""
+    path, _ = written("differential", tmp_path)
+    rng = np.random.default_rng(3)
+    for file in sorted((tmp_path / "log").glob("*.csv")):
+        names = file.read_text(encoding="utf-8").split("\n", 1)[0].split(",")
+        rows = np.loadtxt(file, delimiter=",", skiprows=1)
+        x, y, theta = (rows[:, names.index(name)] for name in ("x", "y", "theta"))
+        dt, turn = np.diff(rows[:, 0], prepend=-0.05), np.diff(theta, prepend=theta[0])
+        rate = 1.02 * turn / dt + 0.01 + 0.01 * rng.normal(size=len(dt))
+        z = np.diff(x + 1j * y, prepend=x[0] + 1j * y[0]) * np.exp(-1j * (theta - 0.5 * turn))
+        seen = (z + 1j * turn * (0.08 - 0.02j)) * np.exp(-0.3j) / 2.5e-5
+        table = np.column_stack([rows, rate, np.round(seen.real), np.round(seen.imag)])
+        header = ",".join([*names, "gyro", "flow_x", "flow_y"])
+        np.savetxt(file, table, fmt="%.17g", delimiter=",", header=header, comments="")
+    answer = calibrate_odometry([path], parameters="physical", rule="exact")
+    gyro, optical = answer.data["gyro"], answer.data["optical"]
+    assert abs(gyro["scale"]["value"] - 1.02) < 4.0 * gyro["scale"]["sigma"] < 0.05
+    assert abs(gyro["bias"]["value"] - 0.01) < 4.0 * gyro["bias"]["sigma"] < 0.02
+    assert optical["scale_m"] == pytest.approx(2.5e-5, rel=1e-3)
+    assert (optical["x_m"], optical["y_m"]) == pytest.approx((0.08, -0.02), abs=1e-3)
+    assert optical["angle_deg"] == pytest.approx(np.degrees(0.3), abs=0.1)
+    assert "gyro: scale 1.0" in answer.text
+    assert "optical sensor: at (0.08" in answer.text
+    for old, new, match in (("flow_y", "other", "one of flow_x and flow_y"),):
+        first = min((tmp_path / "log").glob("*.csv"))
+        first.write_text(first.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
+        with pytest.raises(LogError, match=match):
+            calibrate_odometry([path])

@@ -15,6 +15,7 @@ import numpy as np
 from holonom.app.console.answer import Answer
 from holonom.app.console.output import prepare_output
 from holonom.app.odometry_log import OdometryLog, read_log, write_log
+from holonom.app.odometry_log.motion import moved
 from holonom.arrays import Array
 from holonom.errors import CalibrationError, MissingExtra, UnknownName
 from holonom.mobile import WheelBase
@@ -24,6 +25,7 @@ from holonom.mobile.calibration import (
     Calibration,
     Motion,
     PathErrors,
+    Run,
     UMBmark,
     article,
     calibrate,
@@ -36,6 +38,7 @@ from holonom.mobile.calibration import (
     umbmark,
 )
 from holonom.mobile.methods import ARRANGEMENTS
+from holonom.mobile.odometry import OpticalSensor, calibrate_gyro, calibrate_optical, optical_increments
 
 __all__ = ["FILE", "METHODS", "PICTURE", "TOPICS", "calibrate_odometry"]
 
@@ -105,6 +108,7 @@ def calibrate_odometry(
     except CalibrationError as error:
         raise CalibrationError("\n".join([str(error), *(f"note: {note}" for note in log.notes)])) from None
     data = {"drive": log.drive, "method": method, "rule": rule, "runs": [run.name for run in log.runs], **found.data}
+    data |= _sensors(log)
     data["nonsystematic"] = _scatter(log, found.motion, rule)
     data["notes"] = [*log.notes, *found.notes, *_astray(log, found.motion, rule)]
     if output is not None:
@@ -279,6 +283,38 @@ def _limits(found: Calibration) -> dict[str, float | None]:
     return {name: _number(float(limit) * unit) for name, limit, unit in zip(names, found.limits, units, strict=True)}
 
 
+def _sensors(log: OdometryLog) -> dict[str, Any]:
+    """What the truth says of a gyro and of an optical sensor, where the runs have them."""
+    data: dict[str, Any] = {}
+    gyros = [run for run in log.runs if len(run.rate)]
+    if gyros:
+        found = [calibrate_gyro(run.time, run.rate, run.heading) for run in gyros]
+        weights = np.array([[one.scale_sigma**-2, one.bias_sigma**-2] for one in found])
+        values = np.array([[one.scale, one.bias] for one in found])
+        (scale, bias), sigma = (values * weights).sum(0) / weights.sum(0), 1.0 / np.sqrt(weights.sum(0))
+        data["gyro"] = {
+            "scale": {"value": float(scale), "sigma": float(sigma[0]), "unit": "1"},
+            "bias": {"value": float(bias), "sigma": float(sigma[1]), "unit": "rad/s"},
+        }
+    flows = [run for run in log.runs if len(run.flow)]
+    if flows:
+        counts = np.concatenate([run.flow[1:] for run in flows])
+        steps = np.concatenate([_steps(run) for run in flows])
+        sensor = calibrate_optical(OpticalSensor(0.0, 0.0), counts, steps)
+        residual = optical_increments([sensor], counts[:, None], steps[:, 2]).increments - steps
+        data["optical"] = {
+            "x_m": sensor.x, "y_m": sensor.y, "angle_deg": math.degrees(sensor.angle), "scale_m": sensor.scale,
+            "residual_m": float(np.sqrt((residual[:, :2] ** 2).mean())),
+        }  # fmt: skip
+    return data
+
+
+def _steps(run: Run) -> Array:
+    """Increments (N - 1, 3) of the truth in the frame half-way round."""
+    at = np.arange(len(run.time))
+    return moved(np.column_stack([run.truth[:, :2], run.heading]), at[:-1], at[1:], 1.0)
+
+
 def _scatter(log: OdometryLog, motion: Array | Motion, rule: str) -> dict[str, Any]:
     """What is left at the ends of repeated runs, and behind bumps."""
     found = end_scatter(log.runs, motion, bumped=log.bumped, rule=rule)
@@ -357,6 +393,7 @@ def _text(data: Mapping[str, Any]) -> str:
         if key in data["errors_before"]:
             lines.append(f"  {label:27}" + "".join(f"{errors[key]:15.6f}" for errors in columns.values()))
     lines += [f"runs as MCAP: {data['recordings']}"] if "recordings" in data else []
+    lines += _sensor_lines(data)
     left = data["nonsystematic"]
     if left["spread_m"] is not None:
         lines.append(f"ends of repeated runs scatter by {left['spread_m']:.6f} m, which no calibration takes away")
@@ -365,6 +402,19 @@ def _text(data: Mapping[str, Any]) -> str:
     for one in data.get("identifiability", {}).get("weak", []):
         lines.append(one["text"])
     return "\n".join([*lines, *(f"note: {note}" for note in data["notes"])])
+
+
+def _sensor_lines(data: Mapping[str, Any]) -> list[str]:
+    lines = []
+    if "gyro" in data:
+        scale, bias = data["gyro"]["scale"], data["gyro"]["bias"]
+        lines.append(f"gyro: scale {scale['value']:.6f} +- {scale['sigma']:.2g}, "
+                     f"bias {bias['value']:.6f} +- {bias['sigma']:.2g} rad/s")  # fmt: skip
+    if "optical" in data:
+        told = data["optical"]
+        lines.append(f"optical sensor: at ({told['x_m']:.4f}, {told['y_m']:.4f}) m, turned by {told['angle_deg']:.2f} deg, "
+                     f"{told['scale_m']:.6g} m per count, {told['residual_m']:.2g} m off in a sample")  # fmt: skip
+    return lines
 
 
 _LABELS = {

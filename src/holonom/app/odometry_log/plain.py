@@ -34,7 +34,8 @@ names = { left = "wheel_left_joint" }
 The first line of a CSV file names its columns, in any order: `time`, one per wheel of the drive (`left`, `right`),
 `steering` for one steered wheel (of several `front_left_steering` and so on), and `x`, `y`, `theta` of the truth where
 there is one. Commas, semicolons (numbers may then have decimal commas) or tabs separate them; other columns are noted
-and not read. Where wheels and truth come at two rates the cells of what was not sampled are empty, and the truth is
+and not read, but for `gyro` (rad/s) and `flow_x`, `flow_y` (counts of an optical sensor in each sample), which are
+calibrated beside the wheels. Where wheels and truth come at two rates the cells of what was not sampled are empty, and the truth is
 interpolated to the times of the wheels.
 """
 
@@ -67,6 +68,7 @@ __all__ = ["Description", "read_description", "read_plain"]
 
 
 TRUTH = ("x", "y", "theta")
+GYRO, FLOW = "gyro", ("flow_x", "flow_y")
 
 
 class _Table(BaseModel):
@@ -217,7 +219,7 @@ def read_runs(path: Path, description: Description, *, allow_gaps: bool = False)
         )  # fmt: skip
         units = Units(wheels="angle")
     else:
-        wanted = {*columns, *TRUTH}
+        wanted = {*columns, *TRUTH, GYRO, *FLOW}
         table, units = read_table(path, needed=wanted, sparse=wanted - {"time"}), description.units
     _check_columns(table, columns)
     surplus = f"{path}:1: not read: column {', '.join(table.ignored)}"
@@ -243,7 +245,7 @@ def _read_part(
     steering = np.stack(angles, axis=1) if angles else np.empty((len(table.values), 0))
     turns = _turns(table, names.wheels, description, units)
     turns[0] *= first  # what came before a part is none of its own
-    run = Run(name, table.column("time"), turns, _truth(table, units), steering)
+    run = Run(name, table.column("time"), turns, _truth(table, units), steering, *_others(table))
     return in_one_clock(table, run, subject.parameters(), names.wheels)
 
 
@@ -277,6 +279,19 @@ def _truth(table: Table, units: Units) -> Array:
         return np.empty((0, 3))
     scale = np.array([_factor(units.position), _factor(units.position), _factor(units.heading)])
     return np.stack([table.column(name) for name in TRUTH], axis=1) * scale
+
+
+def _others(table: Table) -> tuple[Array, Array]:
+    """Rates of a gyro (N,) and counts of an optical sensor (N, 2), where there are columns of them."""
+    for name in (GYRO, *FLOW):
+        if name in table.names and np.isnan(table.column(name)).any():
+            row = int(np.argmax(np.isnan(table.column(name))))
+            table.fault(row, name, "an empty cell where the wheels were sampled; give a number in each such row")
+    rate = table.column(GYRO) if GYRO in table.names else np.empty(0)
+    if sum(name in table.names for name in FLOW) == 1:
+        raise LogError(f"{table.path}:1: one of flow_x and flow_y came; give both or none")
+    flow = np.stack([table.column(name) for name in FLOW], axis=1) if FLOW[0] in table.names else np.empty((0, 2))
+    return rate, flow
 
 
 def _factor(unit: str) -> float:

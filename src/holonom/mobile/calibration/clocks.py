@@ -84,7 +84,9 @@ def on_the_clock_of_the_wheels(run: Run, clock: Clock) -> Run:
     kept = (at >= run.time[0]) & (at <= run.time[-1])
     turns = run.turns[kept].copy()
     turns[0] = 0.0  # what came before the first sample is none of its own
-    return Run(run.name, run.time[kept], turns, CubicSpline(run.time, truth)(at)[kept], run.steering[kept])
+    seen = CubicSpline(run.time, truth)(at)[kept]
+    rate, flow = (rows[kept] if len(rows) else rows for rows in (run.rate, run.flow))
+    return Run(run.name, run.time[kept], turns, seen, run.steering[kept], rate, flow)
 
 
 def _middle(run: Run) -> float:
