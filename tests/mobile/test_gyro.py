@@ -34,5 +34,5 @@ def test_motions_that_tell_nothing_and_wrong_rows() -> None:
     ):
         with pytest.raises(problem, match=match):
             calibrate_gyro(t, rate, heading)
-    with pytest.raises(CalibrationError, match="0.98 s of a gyro came"):
+    with pytest.raises(CalibrationError, match=r"0\.98 s of a gyro came"):
         calibrate_gyro(t[:50], np.ones(50), t[:50])

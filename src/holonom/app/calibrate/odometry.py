@@ -12,10 +12,11 @@ from typing import Any, Literal
 
 import numpy as np
 
+from holonom.app.calibrate.odometry_text import LABELS, text_of
+from holonom.app.calibrate.sensors import sensors_of
 from holonom.app.console.answer import Answer
 from holonom.app.console.output import prepare_output
 from holonom.app.odometry_log import OdometryLog, read_log, write_log
-from holonom.app.odometry_log.motion import moved
 from holonom.arrays import Array
 from holonom.errors import CalibrationError, MissingExtra, UnknownName
 from holonom.mobile import WheelBase
@@ -25,7 +26,6 @@ from holonom.mobile.calibration import (
     Calibration,
     Motion,
     PathErrors,
-    Run,
     UMBmark,
     article,
     calibrate,
@@ -38,7 +38,6 @@ from holonom.mobile.calibration import (
     umbmark,
 )
 from holonom.mobile.methods import ARRANGEMENTS
-from holonom.mobile.odometry import OpticalSensor, calibrate_gyro, calibrate_optical, optical_increments
 
 __all__ = ["FILE", "METHODS", "PICTURE", "TOPICS", "calibrate_odometry"]
 
@@ -47,6 +46,8 @@ METHODS = ("least-squares", "umbmark")
 FILE, PICTURE = "odometry.json", "odometry.png"
 ASTRAY = 0.05  # share of its way by which a calibrated run may miss the truth without a note
 TOPICS = ("/odom_nominal", "/odom_calibrated")
+SURE = 0.005  # share of a physical parameter that the extended set may leave open at any cost
+DEAR = 1.5  # times less sure that the extended set may make the physical parameters, unless it is asked for
 DRAWN = 12  # runs in the picture, the first ones
 
 
@@ -108,7 +109,7 @@ def calibrate_odometry(
     except CalibrationError as error:
         raise CalibrationError("\n".join([str(error), *(f"note: {note}" for note in log.notes)])) from None
     data = {"drive": log.drive, "method": method, "rule": rule, "runs": [run.name for run in log.runs], **found.data}
-    data |= _sensors(log)
+    data |= sensors_of(log)
     data["nonsystematic"] = _scatter(log, found.motion, rule)
     data["notes"] = [*log.notes, *found.notes, *_astray(log, found.motion, rule)]
     if output is not None:
@@ -119,7 +120,7 @@ def calibrate_odometry(
             others = dict(zip(TOPICS, _both_paths(log, found.motion, rule).values(), strict=True))
             data["recordings"] = str(write_log(log, folder, runs="mcap", others=others))
         (folder / FILE).write_text(json.dumps(data, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-    return Answer(_text(data), data)
+    return Answer(text_of(data), data)
 
 
 def _check_options(
@@ -221,6 +222,9 @@ def _least_squares(
             raise CalibrationError(refused if parameters == "extended" else told)
         if chosen is None:
             chosen, notes = plain, (f"physical parameters only; of the extended set {refused}",)
+        elif chosen is not None and parameters is None and wanted is None and (cost := _cost(plain, chosen)) > DEAR:
+            chosen = plain
+            notes = (f"physical parameters only; the extended set makes them {cost:.1f} times less sure",)
     if chosen is plain and wanted is not None:
         chosen = calibrate(log.runs, *_asked(log), set_name="physical", rule=rule, limits=wanted)
     assert chosen is not None
@@ -253,6 +257,19 @@ def _told(log: OdometryLog, set_name: str, rule: str) -> dict[str, Any]:
     }
 
 
+def _cost(plain: Calibration | None, wide: Calibration) -> float:
+    """How many times less sure the extended set makes the physical parameters, in the mean; 0 where they are sure."""
+    shared = [name for name in wide.names if plain is not None and name in plain.names]
+    if plain is None or not shared:
+        return 0.0
+    at = [wide.names.index(name) for name in shared], [plain.names.index(name) for name in shared]
+    open_ = wide.deviations[at[0]] / np.maximum(np.abs(wide.values[at[0]]), 1e-12)
+    if open_.mean() < SURE:
+        return 0.0
+    ratios = wide.deviations[at[0]] / np.maximum(plain.deviations[at[1]], 1e-300)
+    return float(np.exp(np.mean(np.log(np.maximum(ratios, 1e-12)))))
+
+
 def _attempt(
     log: OdometryLog, set_name: str, rule: str, limits: Sequence[float] | Literal["classical"] | None = None
 ) -> tuple[Calibration | None, str]:
@@ -279,40 +296,8 @@ def _ratios(found: Calibration) -> dict[str, float]:
 def _limits(found: Calibration) -> dict[str, float | None]:
     """Limits that the largest errors were held to; None where free."""
     units = (1.0, 180.0 / math.pi, 1.0, 180.0 / math.pi)
-    names = [key for key in _LABELS if key.startswith("max_")]
+    names = [key for key in LABELS if key.startswith("max_")]
     return {name: _number(float(limit) * unit) for name, limit, unit in zip(names, found.limits, units, strict=True)}
-
-
-def _sensors(log: OdometryLog) -> dict[str, Any]:
-    """What the truth says of a gyro and of an optical sensor, where the runs have them."""
-    data: dict[str, Any] = {}
-    gyros = [run for run in log.runs if len(run.rate)]
-    if gyros:
-        found = [calibrate_gyro(run.time, run.rate, run.heading) for run in gyros]
-        weights = np.array([[one.scale_sigma**-2, one.bias_sigma**-2] for one in found])
-        values = np.array([[one.scale, one.bias] for one in found])
-        (scale, bias), sigma = (values * weights).sum(0) / weights.sum(0), 1.0 / np.sqrt(weights.sum(0))
-        data["gyro"] = {
-            "scale": {"value": float(scale), "sigma": float(sigma[0]), "unit": "1"},
-            "bias": {"value": float(bias), "sigma": float(sigma[1]), "unit": "rad/s"},
-        }
-    flows = [run for run in log.runs if len(run.flow)]
-    if flows:
-        counts = np.concatenate([run.flow[1:] for run in flows])
-        steps = np.concatenate([_steps(run) for run in flows])
-        sensor = calibrate_optical(OpticalSensor(0.0, 0.0), counts, steps)
-        residual = optical_increments([sensor], counts[:, None], steps[:, 2]).increments - steps
-        data["optical"] = {
-            "x_m": sensor.x, "y_m": sensor.y, "angle_deg": math.degrees(sensor.angle), "scale_m": sensor.scale,
-            "residual_m": float(np.sqrt((residual[:, :2] ** 2).mean())),
-        }  # fmt: skip
-    return data
-
-
-def _steps(run: Run) -> Array:
-    """Increments (N - 1, 3) of the truth in the frame half-way round."""
-    at = np.arange(len(run.time))
-    return moved(np.column_stack([run.truth[:, :2], run.heading]), at[:-1], at[1:], 1.0)
 
 
 def _scatter(log: OdometryLog, motion: Array | Motion, rule: str) -> dict[str, Any]:
@@ -372,65 +357,3 @@ def _both_paths(log: OdometryLog, motion: Array | Motion, rule: str) -> dict[str
     nominal = log.subject.parameters()
     models = {"nominal": nominal.motion(nominal.nominal), "calibrated": motion}
     return {name: [dead_reckoning(run, M, rule) for run in log.runs] for name, M in models.items()}
-
-
-def _text(data: Mapping[str, Any]) -> str:
-    runs = len(data["runs"])
-    lines = [f"{data['drive']} base, {data['method']}, {runs} run{'s' if runs != 1 else ''}:"]
-    lines += _table(data["nominal"], data["calibrated"], data["deviations"])
-    lines += [f"  {name} {data[name]:.6f}" for name in ("E_b", "E_d") if name in data]
-    if data.get("set") == "extended" and "physical" in data:
-        plain = data["physical"]
-        lines += ["with the physical parameters only:"]
-        lines += _table(plain["nominal"], plain["calibrated"], plain["deviations"])
-    columns = {"before": data["errors_before"], "after": data["errors_after"]}
-    if data.get("set") == "extended" and "physical" in data:
-        columns["physical only"] = data["physical"]["errors_after"]
-    if "errors_held_out" in data:
-        columns["held out"] = data["errors_held_out"]
-    lines += ["largest errors over the runs:" + "".join(f"{name:>15}" for name in columns)]
-    for key, label in _LABELS.items():
-        if key in data["errors_before"]:
-            lines.append(f"  {label:27}" + "".join(f"{errors[key]:15.6f}" for errors in columns.values()))
-    lines += [f"runs as MCAP: {data['recordings']}"] if "recordings" in data else []
-    lines += _sensor_lines(data)
-    left = data["nonsystematic"]
-    if left["spread_m"] is not None:
-        lines.append(f"ends of repeated runs scatter by {left['spread_m']:.6f} m, which no calibration takes away")
-    if left["bump_deg"] is not None:
-        lines.append(f"bumps turn it by {left['bump_deg']:.4f} deg")
-    for one in data.get("identifiability", {}).get("weak", []):
-        lines.append(one["text"])
-    return "\n".join([*lines, *(f"note: {note}" for note in data["notes"])])
-
-
-def _sensor_lines(data: Mapping[str, Any]) -> list[str]:
-    lines = []
-    if "gyro" in data:
-        scale, bias = data["gyro"]["scale"], data["gyro"]["bias"]
-        lines.append(f"gyro: scale {scale['value']:.6f} +- {scale['sigma']:.2g}, "
-                     f"bias {bias['value']:.6f} +- {bias['sigma']:.2g} rad/s")  # fmt: skip
-    if "optical" in data:
-        told = data["optical"]
-        lines.append(f"optical sensor: at ({told['x_m']:.4f}, {told['y_m']:.4f}) m, turned by {told['angle_deg']:.2f} deg, "
-                     f"{told['scale_m']:.6g} m per count, {told['residual_m']:.2g} m off in a sample")  # fmt: skip
-    return lines
-
-
-_LABELS = {
-    "max_distance_m": "distance on the way, m",
-    "max_heading_deg": "heading on the way, deg",
-    "max_final_distance_m": "distance at the end, m",
-    "max_final_heading_deg": "heading at the end, deg",
-    "E_max_m": "E_max of both means, m",
-}
-
-
-def _table(nominal: Mapping[str, float], found: Mapping[str, float], sure: Mapping[str, float | None]) -> list[str]:
-    width = max(map(len, nominal))
-    lines = [f"  {'':{width}}  {'nominal':>10}  {'calibrated':>10}  {'deviation':>10}"]
-    for name, value in nominal.items():
-        deviation = sure[name]
-        shown = f"{'unknown':>10}" if deviation is None else f"{deviation:10.6f}"
-        lines.append(f"  {name:{width}}  {value:10.6f}  {found[name]:10.6f}  {shown}")
-    return lines

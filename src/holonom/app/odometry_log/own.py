@@ -86,7 +86,9 @@ def _steering(path: Path, recording: Recording, base: WheelBase | None, time: Ar
         name = f"wheel_{framed.index(members[0]) + 1}"
         track = recording.tree.get(("base_link", name))
         if track is None or len(track.time) < len(time) or not np.array_equal(track.time[: len(time)], time):
-            raise LogError(f"{path}: steering of {name} and encoder counts are of different times; record them together")
+            raise LogError(
+                f"{path}: steering of {name} and encoder counts are of different times; record them together"
+            )
         T = track.poses()[: len(time)]
         turned = np.arctan2(-T[:, 0, 1], T[:, 1, 1]) - base.wheels[members[0]].heading
         angle = np.unwrap(turned)

@@ -35,8 +35,8 @@ The first line of a CSV file names its columns, in any order: `time`, one per wh
 `steering` for one steered wheel (of several `front_left_steering` and so on), and `x`, `y`, `theta` of the truth where
 there is one. Commas, semicolons (numbers may then have decimal commas) or tabs separate them; other columns are noted
 and not read, but for `gyro` (rad/s) and `flow_x`, `flow_y` (counts of an optical sensor in each sample), which are
-calibrated beside the wheels. Where wheels and truth come at two rates the cells of what was not sampled are empty, and the truth is
-interpolated to the times of the wheels.
+calibrated beside the wheels. Where wheels and truth come at two rates the cells of what was not sampled are empty, and
+the truth is interpolated to the times of the wheels.
 """
 
 from __future__ import annotations

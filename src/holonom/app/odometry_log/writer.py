@@ -42,7 +42,9 @@ def write_log(
     OutputError
     """
     if log.base is not None:
-        raise OutputError(f"{log.source} is a recording whose wheels no log of the plain format names; leave --mcap out")
+        raise OutputError(
+            f"{log.source} is a recording whose wheels no log of the plain format names; leave --mcap out"
+        )
     path, called = prepare_output(folder), log.subject.columns
     names = [f"{number:03d}-{run.name}.{runs}" for number, run in enumerate(log.runs, start=1)]
     units = "angle" if runs == "mcap" else "rad"

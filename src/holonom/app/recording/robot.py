@@ -101,7 +101,12 @@ def _base(description: Mapping[str, Any]) -> WheelBase | None:
     words = description.get("base")
     if words is None:
         return None
-    wheels = [Wheel(**{k: tuple(v) if isinstance(v, list) else v for k, v in wheel.items()}) for wheel in words["wheels"]]
+    wheels = []
+    for wheel in words["wheels"]:
+        stated: dict[str, Any] = {
+            key: tuple(value) if isinstance(value, list) else value for key, value in wheel.items()
+        }
+        wheels.append(Wheel(**stated))
     groups = words["steering_groups"]
     return WheelBase(wheels, name=str(description["name"]), radius=float(words["radius"]), steering_groups=groups)
 

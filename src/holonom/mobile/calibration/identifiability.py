@@ -96,7 +96,7 @@ def identifiability(
     _, s, Vt = np.linalg.svd(J, full_matrices=False)
     covariance = noise_covariance(problem.parts(at), None, problem.tightness)
     lost = (s <= UNSEEN * s[0]) @ (np.abs(Vt) > NAMED)
-    deviations = np.where(lost, np.inf, parameters.scale * np.sqrt(np.diagonal(covariance)))
+    deviations = np.where(lost, np.inf, parameters.scale * np.sqrt(np.maximum(np.diagonal(covariance), 0.0)))
     base = drive if isinstance(drive, WheelBase) else base_of_drive(drive, nominal or {})
     weak = [
         Combination(_shares(parameters, v), float(value / s[0]), helpful_run(problem, base, v))

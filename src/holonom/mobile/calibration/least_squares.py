@@ -148,11 +148,11 @@ def calibrate(
     values = check_excitation(problem.residuals(x)[1], parameters, _relative(problem, x, covariance), suggest)
     _check_reach(x, parameters)
     x, bounds, growth = _limited(problem, x, known_parameters(drive, nominal), limits)
-    scale = parameters.scale
+    scale, sigma = parameters.scale, np.sqrt(np.maximum(np.diagonal(covariance), 0.0))
     motion = parameters.motion(problem.values(x))
     return Calibration(
         parameters.drive, set_name, parameters.names, parameters.nominal, problem.values(x),
-        scale * np.sqrt(np.diagonal(covariance)), covariance * np.outer(scale, scale), values, motion, problem.lever,
+        scale * sigma, covariance * np.outer(scale, scale), values, motion, problem.lever,
         _errors(runs, parameters.motion(parameters.nominal), rule), _errors(runs, motion, rule),
         np.array([part.clock for part in whole.parts(x)]), bounds, growth,
     )  # fmt: skip

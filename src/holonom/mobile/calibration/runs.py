@@ -52,7 +52,9 @@ class Run:
                 "give two samples or more, (N, wheels), (N, 3) and (N, steered wheels)"
             )
         if self.rate.shape not in ((n,), (0,)) or self.flow.shape not in ((n, 2), (0, 2)):
-            raise ShapeError(f"run {self.name}: rates {self.rate.shape} and flow {self.flow.shape}; give {n} rows, or none")
+            raise ShapeError(
+                f"run {self.name}: rates {self.rate.shape} and flow {self.flow.shape}; give {n} rows, or none"
+            )
         for name in _ROWS:
             if not np.all(np.isfinite(getattr(self, name))):
                 raise NotFinite(f"run {self.name}: {name} holds NaN or infinity; repair the log")

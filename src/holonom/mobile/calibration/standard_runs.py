@@ -49,6 +49,9 @@ def standard_run(base: WheelBase, name: str) -> Run | None:
     A base that cannot turn on the spot takes the corners of a square on its tightest arc, but none below 0.3 m.
     """
     twists = _twists(base, name)
+    if twists is not None and name != "sideways":
+        about = base.feasible([0.0, 0.0, 1.0])  # wheels may turn about a place that base_link swings round
+        twists[:, 1] += twists[:, 2] * (about[1] / about[2] if about[2] > ALIKE else 0.0)
     if twists is None or np.abs(base.feasible(twists) - twists).max() > ALIKE:
         return None
     steering = base.steering(twists, np.zeros((len(twists), len(base.steered))))

@@ -98,9 +98,16 @@ def tightness(parts: Sequence[RunPart]) -> Array:
     told = np.linalg.eigvalsh(H)
     unit = float(np.trace(np.linalg.pinv(H, rcond=UNSEEN**2, hermitian=True) @ S))
     unit /= max(int(np.count_nonzero(told > UNSEEN**2 * told[-1])), 1)
+    unit = max(unit, (FINEST * float(np.mean([_way(part) for part in parts]))) ** 2)
     effect = np.max([np.abs(part.strain_slope).max(axis=(0, 2)) for part in parts], axis=0)
     told_by = effect > LEAST * max(float(part.travel.max()) for part in parts)
     return np.where(told_by, unit / np.maximum(np.diagonal(_strains(parts)), 1e-300), 0.0)
+
+
+def _way(part: RunPart) -> float:
+    """Way of a run, m, turns counted by the lever of its weights."""
+    steps, lever = np.diff(part.path, axis=0), float(np.sqrt(part.weight[0, 2] / part.weight[0, 0]))
+    return float(np.hypot(steps[:, 0], steps[:, 1]).sum() + lever * np.abs(steps[:, 2]).sum())
 
 
 def _strains(parts: Sequence[RunPart]) -> Array:
