@@ -9,8 +9,9 @@ import pytest
 from base_runs import BASES, log_of
 
 from holonom.app.calibrate.odometry import calibrate_odometry
+from holonom.app.console.cli import main
 from holonom.app.odometry_log import OdometryLog, read_log, write_log
-from holonom.errors import LogError, UnknownName
+from holonom.errors import LogError, OutputError, UnknownName
 from holonom.mobile.calibration import Run, derived_parameters
 
 GEOMETRY = {
@@ -117,3 +118,60 @@ def test_a_gyro_and_an_optical_sensor_beside_the_wheels(tmp_path: Path) -> None:
         first.write_text(first.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
         with pytest.raises(LogError, match=match):
             calibrate_odometry([path])
+
+
+def test_wheels_that_contradict_each_other_are_noted_as_slip(tmp_path: Path) -> None:
+    """One of four Swedish wheels turns too far for half a second: no truth is needed to see it."""
+    base = BASES["mecanum"]
+    numbers = dict(zip(derived_parameters(base).names, derived_parameters(base).nominal.tolist(), strict=True))
+    runs = []
+    for k in range(2):
+        run = log_of(base, numbers, np.random.default_rng(k), name=f"run-{k}", slip=0.001, place=0.0005, heading=0.001)
+        turns = run.turns.copy()
+        turns[100:110, 2] += 0.2 * k
+        runs.append(Run(run.name, run.time, turns, run.truth, run.steering))
+    geometry = {"wheelbase": 0.4, "track": 0.3, "wheel_radius": 0.05}
+    path = write_log(OdometryLog(tmp_path, "mecanum", geometry, None, tuple(runs)), tmp_path / "log")
+    notes = calibrate_odometry([path], parameters="physical", rule="exact").data["notes"]
+    (told,) = [note for note in notes if "contradict" in note]
+    assert told.startswith("run 002-run-1: from 5 to 5.45 s its wheels contradict each other by up to 0.0")
+
+
+CELL = """[cell]
+name = "base"
+seed = 1
+time_limit = "60s"
+[base]
+arrangement = "{}"
+{}
+mass = "8kg"
+[path]
+shape = "figure_of_eight"
+size = "3m"
+speed = "0.5m/s"
+acceleration = "0.5m/s2"
+{}
+"""
+
+
+@pytest.mark.parametrize(
+    ("kind", "wheels", "heading", "near"),
+    [
+        ("swerve", 'wheelbase = "400mm"\ntrack = "300mm"\nwheel_radius = "50mm"', 'heading = "tangent"', 0.01),
+        ("tricycle", 'wheelbase = "400mm"\ntrack = "300mm"\nwheel_radius = "50mm"', "", 0.01),
+    ],
+)
+def test_a_recording_of_a_run_gives_the_wheels_back(
+    kind: str, wheels: str, heading: str, near: float, tmp_path: Path
+) -> None:
+    """Its wheels are those of the cell, but for what they creep: within a percent."""
+    (tmp_path / "cell.toml").write_text(CELL.format(kind, wheels, heading), encoding="utf-8")
+    assert main(["run", str(tmp_path / "cell.toml"), "-o", str(tmp_path / "run"), "--quiet"]) == 0
+    data = calibrate_odometry([tmp_path / "run" / "recording.mcap"], parameters="physical").data
+    assert data["drive"] == kind
+    for name, value in data["nominal"].items():
+        assert data["calibrated"][name] == pytest.approx(value, rel=near, abs=0.002), name
+    with pytest.raises(OutputError, match="no log of the plain format names"):
+        calibrate_odometry(
+            [tmp_path / "run" / "recording.mcap"], parameters="physical", output=tmp_path / "o", mcap=True
+        )

@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 
 from holonom.app.calibrate.odometry_text import LABELS, text_of
-from holonom.app.calibrate.sensors import sensors_of
+from holonom.app.calibrate.sensors import sensors_of, slips_of
 from holonom.app.console.answer import Answer
 from holonom.app.console.output import prepare_output
 from holonom.app.odometry_log import OdometryLog, read_log, write_log
@@ -237,7 +237,8 @@ def _least_squares(
     data |= {"correlation": chosen.correlation.tolist(), "errors_after": _errors(chosen.after)}
     if plain is not None:
         data["physical"] = {**_values(plain), "errors_after": _errors(plain.after)}
-    return _Found(data, chosen.motion, notes)
+    slips = slips_of(log, log.subject.parameters(chosen.set), chosen.values)
+    return _Found(data, chosen.motion, (*notes, *slips))
 
 
 def _asked(log: OdometryLog) -> tuple[str | WheelBase, Mapping[str, float] | None]:

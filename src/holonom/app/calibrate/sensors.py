@@ -11,10 +11,44 @@ import numpy as np
 from holonom.app.odometry_log import OdometryLog
 from holonom.app.odometry_log.motion import moved
 from holonom.arrays import Array
-from holonom.mobile.calibration import Run
-from holonom.mobile.odometry import OpticalSensor, calibrate_gyro, calibrate_optical, optical_increments
+from holonom.mobile.calibration import Parameters, Run
+from holonom.mobile.odometry import OpticalSensor, calibrate_gyro, calibrate_optical, flag, optical_increments
 
-__all__ = ["sensor_lines", "sensors_of"]
+__all__ = ["sensor_lines", "sensors_of", "slips_of"]
+
+
+SLIPPING = 8.0  # times the usual disagreement of the wheels from which on one of them slips
+LEAST = 0.02  # m/s of a rim, below which none does
+SHORTEST = 3  # samples of a slip
+
+
+def slips_of(log: OdometryLog, parameters: Parameters, values: Array) -> list[str]:
+    """Notes on spells in which the wheels of a base with more of them than motions contradict each other: slip.
+
+    Parameters
+    ----------
+    values : (p,) calibrated.
+    """
+    notes = []
+    for run in log.runs:
+        at = parameters.sampled(run, values)
+        dt = np.gradient(run.time)
+        radius = max(v for n, v in zip(parameters.names, values, strict=True) if n.startswith(("radius", "diameter")))
+        rims = at.strain * radius / dt[:, None]
+        if not rims.shape[1] or len(run.time) < SHORTEST:
+            continue
+        worst = np.abs(rims).max(axis=1)
+        bound = max(SLIPPING * float(np.median(worst)), LEAST)
+        slip = flag(run.time, at.increments, residual=rims, max_residual=bound, gap_factor=np.inf).slip
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], slip, [False]]).astype(np.int8))).reshape(-1, 2)
+        spells = [(int(a), int(b)) for a, b in edges if b - a >= SHORTEST]
+        if spells:
+            first, last = max(spells, key=lambda spell: float(worst[spell[0] : spell[1]].max()))
+            more = f", and {len(spells) - 1} more such" if len(spells) > 1 else ""
+            span = f"from {run.time[first]:g} to {run.time[last - 1]:g} s"
+            by = f"by up to {worst[first:last].max():.3g} m/s{more}"
+            notes.append(f"run {run.name}: {span} its wheels contradict each other {by}: one of them slips; cut it out")
+    return notes
 
 
 def sensors_of(log: OdometryLog) -> dict[str, Any]:
