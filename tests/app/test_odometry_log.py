@@ -290,8 +290,8 @@ DESCRIPTIONS = [
     (
         '"differential"',
         '"diff"',
-        r"log.toml:1: drive: no setting 'diff'; there is differential, mecanum, omni3, omni3_any, "
-        r"omni4_any, omni5_any, omni6_any, tricycle",
+        r"log.toml:1: drive: no setting 'diff'; there is ackermann, bicycle, differential, "
+        r"dual_ackermann, mecanum, omni, omni3, omni3_any",
     ),
     ('runs = ["run.csv"]', "runs = []", r"log.toml:2: runs: 0 came; at least 1 are needed: files of the runs"),
     ("run.csv", "other.csv", r"other.csv: cannot be read: No such file"),

@@ -37,16 +37,18 @@ def _run(base: hm.mobile.WheelBase) -> Run:
 def test_increments_are_those_of_the_base_and_slopes_those_of_differences(kind: str, set_name: str) -> None:
     base, run = BASES[kind], _run(BASES[kind])
     found = derived_parameters(base, set_name)
-    increments, slopes = found.increments(run, found.nominal)
+    increments, slopes, strain, _ = found.sampled(run, found.nominal)
+    assert strain == pytest.approx(np.zeros_like(strain), abs=1e-7)
     assert increments == pytest.approx(base.twist(run.turns, run.steering), abs=1e-8)
     rng = np.random.default_rng(2)
     for step in 1e-6 * rng.normal(size=(3, len(found.names))) * found.scale:
-        more, less = (found.increments(run, found.nominal + sign * step)[0] for sign in (1.0, -1.0))
+        more, less = (found.sampled(run, found.nominal + sign * step).increments for sign in (1.0, -1.0))
         assert 0.5 * (more - less) == pytest.approx(slopes @ step, abs=2e-9)
 
 
 def test_what_cannot_be_derived_is_refused() -> None:
     with pytest.raises(UnknownName):
         derived_parameters(BASES["omni"], "all")
-    with pytest.raises(CalibrationError, match="drives a ball"):
-        derived_parameters(m.sphere(0.1))
+    ball = m.WheelBase([m.Wheel.at("spherical", 0.0, 0.0, radius=0.1, driven=True)])
+    with pytest.raises(CalibrationError, match="drives a ball about three axes"):
+        derived_parameters(ball)

@@ -175,7 +175,10 @@ def test_sensitivities_by_finite_differences(seed: int, wheels: int, rule: str) 
     share, exact = RULES.make(rule)
     features, M, start = 0.3 * rng.normal(size=(20, wheels)), rng.normal(size=(3, wheels)), rng.normal(size=3)
     path, slopes = np.empty((20, 3)), np.empty((20, 3, 3 * wheels))
-    sensitivities_into(features, M, start, share, exact, path, slopes)
+    by_M = np.zeros((20, 3, 3 * wheels))
+    for k, (row, column) in enumerate(np.ndindex(M.shape)):
+        by_M[:, row, k] = features[:, column]
+    sensitivities_into(features @ M.T, by_M, start, share, exact, path, slopes)
     assert np.allclose(path, integrate(features @ M.T, start=start, rule=rule))
     for k, at in enumerate(np.ndindex(M.shape)):
         step = np.zeros_like(M)

@@ -12,24 +12,32 @@ from typing import Any, Literal
 
 import numpy as np
 
+from holonom.app.calibrate.odometry_text import LABELS, text_of
+from holonom.app.calibrate.sensors import sensors_of, slips_of
 from holonom.app.console.answer import Answer
 from holonom.app.console.output import prepare_output
 from holonom.app.odometry_log import OdometryLog, read_log, write_log
 from holonom.arrays import Array
 from holonom.errors import CalibrationError, MissingExtra, UnknownName
+from holonom.mobile import WheelBase
 from holonom.mobile.calibration import (
     DRIVES,
     SETS,
     Calibration,
+    Motion,
     PathErrors,
     UMBmark,
     article,
     calibrate,
     dead_reckoning,
     drive_parameters,
+    end_scatter,
     held_out_errors,
+    identifiability,
+    lever_of,
     umbmark,
 )
+from holonom.mobile.methods import ARRANGEMENTS
 
 __all__ = ["FILE", "METHODS", "PICTURE", "TOPICS", "calibrate_odometry"]
 
@@ -38,6 +46,8 @@ METHODS = ("least-squares", "umbmark")
 FILE, PICTURE = "odometry.json", "odometry.png"
 ASTRAY = 0.05  # share of its way by which a calibrated run may miss the truth without a note
 TOPICS = ("/odom_nominal", "/odom_calibrated")
+SURE = 0.005  # share of a physical parameter that the extended set may leave open at any cost
+DEAR = 1.5  # times less sure that the extended set may make the physical parameters, unless it is asked for
 DRAWN = 12  # runs in the picture, the first ones
 
 
@@ -61,7 +71,7 @@ def calibrate_odometry(
     Parameters
     ----------
     paths : as `odometry_log.read_log` takes them.
-    drive : a key of `DRIVES`; that of the logs unless given.
+    drive : a key of `DRIVES`, or an arrangement of wheels; that of the logs unless given.
     method : one of `METHODS`.
     parameters : for least squares, one of `SETS`; unless given the extended set where the motion tells it.
     form : of UMBmark: "x", "y" or "mean"; "x" unless given.
@@ -81,8 +91,8 @@ def calibrate_odometry(
     for kind, name, known in (("method", method, METHODS), ("set of parameters", parameters or SETS[0], SETS)):
         if name not in known:
             raise UnknownName(kind, name, known)
-    if drive is not None and drive not in DRIVES:
-        raise UnknownName("drive that can be calibrated", drive, DRIVES)
+    if drive is not None and drive not in DRIVES and drive not in ARRANGEMENTS:
+        raise UnknownName("drive that can be calibrated", drive, [*DRIVES, *ARRANGEMENTS])
     _check_options(method, parameters, form, limits, held_out=held_out, classical=classical_limits)
     if mcap and output is None:
         raise CalibrationError("--mcap came without -o; name the folder that the recordings go to")
@@ -94,21 +104,23 @@ def calibrate_odometry(
             else _least_squares(log, parameters, rule, "classical" if classical_limits else limits)
         )
         if held_out:
-            errors = held_out_errors(log.runs, log.drive, log.nominal, set_name=found.data["set"], rule=rule)
+            errors = held_out_errors(log.runs, *_asked(log), set_name=found.data["set"], rule=rule)
             found.data["errors_held_out"] = _errors(errors)
     except CalibrationError as error:
         raise CalibrationError("\n".join([str(error), *(f"note: {note}" for note in log.notes)])) from None
     data = {"drive": log.drive, "method": method, "rule": rule, "runs": [run.name for run in log.runs], **found.data}
-    data["notes"] = [*log.notes, *found.notes, *_astray(log, found.matrix, rule)]
+    data |= sensors_of(log)
+    data["nonsystematic"] = _scatter(log, found.motion, rule)
+    data["notes"] = [*log.notes, *found.notes, *_astray(log, found.motion, rule)]
     if output is not None:
         folder = prepare_output(output)
-        if not _draw(log, found.matrix, rule, folder / PICTURE):
+        if not _draw(log, found.motion, rule, folder / PICTURE):
             data["notes"].append(f"no picture of the paths: {MissingExtra('it', 'Matplotlib', 'plots')}")
         if mcap:
-            others = dict(zip(TOPICS, _both_paths(log, found.matrix, rule).values(), strict=True))
+            others = dict(zip(TOPICS, _both_paths(log, found.motion, rule).values(), strict=True))
             data["recordings"] = str(write_log(log, folder, runs="mcap", others=others))
         (folder / FILE).write_text(json.dumps(data, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-    return Answer(_text(data), data)
+    return Answer(text_of(data), data)
 
 
 def _check_options(
@@ -128,13 +140,12 @@ def _check_options(
         raise CalibrationError(f"--form {form} came with least-squares; leave it out, or use --method umbmark")
 
 
-def _astray(log: OdometryLog, matrix: Array, rule: str) -> tuple[str, ...]:
+def _astray(log: OdometryLog, motion: Array | Motion, rule: str) -> tuple[str, ...]:
     """Notes on runs that calibrated odometry still misses by much of their way."""
-    notes = []
+    notes, lever = [], lever_of(motion)
     for run in log.runs:
-        path = dead_reckoning(run, matrix, rule)
+        path = dead_reckoning(run, motion, rule)
         steps = np.diff(path, axis=0)
-        lever = np.abs(matrix[:2]).max() / max(np.abs(matrix[2]).max(), 1e-12)
         way = float(np.hypot(steps[:, 0], steps[:, 1]).sum() + lever * np.abs(steps[:, 2]).sum())
         miss = float(np.hypot(*(path[:, :2] - run.truth[:, :2]).T).max())
         if miss > ASTRAY * way:
@@ -147,15 +158,15 @@ def _astray(log: OdometryLog, matrix: Array, rule: str) -> tuple[str, ...]:
 
 @dataclass(frozen=True, slots=True)
 class _Found:
-    """What a method found: JSON values, the motion matrix, notes."""
+    """What a method found: JSON values, what `dead_reckoning` takes, notes."""
 
     data: dict[str, Any]
-    matrix: Array
+    motion: Array | Motion
     notes: tuple[str, ...]
 
 
 def _umbmark(log: OdometryLog, form: str, rule: str) -> _Found:
-    if log.drive != "differential":
+    if log.drive != "differential" or log.subject.base is not None:
         raise CalibrationError(f"UMBmark is for differential drives; for {article(log.drive)} use least-squares")
     if log.side is None and log.sides:
         raise CalibrationError(
@@ -211,17 +222,53 @@ def _least_squares(
             raise CalibrationError(refused if parameters == "extended" else told)
         if chosen is None:
             chosen, notes = plain, (f"physical parameters only; of the extended set {refused}",)
+        elif chosen is not None and parameters is None and wanted is None and (cost := _cost(plain, chosen)) > DEAR:
+            chosen = plain
+            notes = (f"physical parameters only; the extended set makes them {cost:.1f} times less sure",)
     if chosen is plain and wanted is not None:
-        chosen = calibrate(log.runs, log.drive, log.nominal, set_name="physical", rule=rule, limits=wanted)
+        chosen = calibrate(log.runs, *_asked(log), set_name="physical", rule=rule, limits=wanted)
     assert chosen is not None
-    data = {"set": chosen.set, **_values(chosen), "matrix": chosen.matrix.tolist(), **_ratios(chosen)}
+    matrix = {} if isinstance(chosen.motion, Motion) else {"matrix": chosen.motion.tolist()}
+    data = {"set": chosen.set, **_values(chosen), **matrix, **_ratios(chosen)}
+    data["identifiability"] = _told(log, chosen.set, rule)
     data |= {"condition": chosen.condition, "lever_m": chosen.lever, "errors_before": _errors(chosen.before)}
     data |= {"limits": _limits(chosen), "growth": chosen.growth}
     data["clocks_s"] = [_number(float(clock)) for clock in chosen.clocks]
     data |= {"correlation": chosen.correlation.tolist(), "errors_after": _errors(chosen.after)}
     if plain is not None:
         data["physical"] = {**_values(plain), "errors_after": _errors(plain.after)}
-    return _Found(data, chosen.matrix, notes)
+    slips = slips_of(log, log.subject.parameters(chosen.set), chosen.values)
+    return _Found(data, chosen.motion, (*notes, *slips))
+
+
+def _asked(log: OdometryLog) -> tuple[str | WheelBase, Mapping[str, float] | None]:
+    """What is calibrated, and its numbers where it has none of its own."""
+    subject = log.subject
+    return (subject.drive, subject.geometry) if subject.base is None else (subject.base, None)
+
+
+def _told(log: OdometryLog, set_name: str, rule: str) -> dict[str, Any]:
+    """Which numbers the runs tell, which only little, and which run would help."""
+    found = identifiability(log.runs, *_asked(log), set_name=set_name, rule=rule)
+    return {
+        "weak": [
+            {"shares": dict(one.shares), "told": one.told, "run": one.run, "text": one.text()} for one in found.weak
+        ],
+        "never_told": {name: list(others) for name, others in found.gauge.items()},
+    }
+
+
+def _cost(plain: Calibration | None, wide: Calibration) -> float:
+    """How many times less sure the extended set makes the physical parameters, in the mean; 0 where they are sure."""
+    shared = [name for name in wide.names if plain is not None and name in plain.names]
+    if plain is None or not shared:
+        return 0.0
+    at = [wide.names.index(name) for name in shared], [plain.names.index(name) for name in shared]
+    open_ = wide.deviations[at[0]] / np.maximum(np.abs(wide.values[at[0]]), 1e-12)
+    if open_.mean() < SURE:
+        return 0.0
+    ratios = wide.deviations[at[0]] / np.maximum(plain.deviations[at[1]], 1e-300)
+    return float(np.exp(np.mean(np.log(np.maximum(ratios, 1e-12)))))
 
 
 def _attempt(
@@ -229,7 +276,7 @@ def _attempt(
 ) -> tuple[Calibration | None, str]:
     """A calibration, or the reason why the motion does not tell it."""
     try:
-        return calibrate(log.runs, log.drive, log.nominal, set_name=set_name, rule=rule, limits=limits), ""
+        return calibrate(log.runs, *_asked(log), set_name=set_name, rule=rule, limits=limits), ""
     except CalibrationError as error:
         return None, str(error)
 
@@ -241,7 +288,7 @@ def _values(found: Calibration) -> dict[str, Any]:
 
 def _ratios(found: Calibration) -> dict[str, float]:
     """E_b and E_d of a differential drive."""
-    if found.drive != "differential":
+    if "wheelbase" not in found.names or "diameter_right" not in found.names:
         return {}
     new, old = (dict(zip(found.names, v.tolist(), strict=True)) for v in (found.values, found.nominal))
     return {"E_b": new["wheelbase"] / old["wheelbase"], "E_d": new["diameter_right"] / new["diameter_left"]}
@@ -250,8 +297,24 @@ def _ratios(found: Calibration) -> dict[str, float]:
 def _limits(found: Calibration) -> dict[str, float | None]:
     """Limits that the largest errors were held to; None where free."""
     units = (1.0, 180.0 / math.pi, 1.0, 180.0 / math.pi)
-    names = [key for key in _LABELS if key.startswith("max_")]
+    names = [key for key in LABELS if key.startswith("max_")]
     return {name: _number(float(limit) * unit) for name, limit, unit in zip(names, found.limits, units, strict=True)}
+
+
+def _scatter(log: OdometryLog, motion: Array | Motion, rule: str) -> dict[str, Any]:
+    """What is left at the ends of repeated runs, and behind bumps."""
+    found = end_scatter(log.runs, motion, bumped=log.bumped, rule=rule)
+    sizes = np.sqrt(np.diagonal(found.covariance))
+    return {
+        "courses": list(found.courses),
+        "spread_m": _number(found.spread),
+        "deviations": {
+            "x_m": _number(sizes[0]),
+            "y_m": _number(sizes[1]),
+            "heading_deg": _number(np.degrees(sizes[2])),
+        },
+        "bump_deg": _number(math.degrees(found.bump)),
+    }
 
 
 def _errors(errors: PathErrors) -> dict[str, Any]:
@@ -278,61 +341,20 @@ def _number(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _draw(log: OdometryLog, matrix: Array, rule: str, path: Path) -> bool:
+def _draw(log: OdometryLog, motion: Array | Motion, rule: str, path: Path) -> bool:
     """Draw the first runs; False where that cannot be."""
     if importlib.util.find_spec("matplotlib") is None:
         return False
     from holonom.plots.odometry import draw_odometry
 
     runs = log.runs[:DRAWN]
-    drawn = {name: paths[:DRAWN] for name, paths in _both_paths(log, matrix, rule).items()}
+    drawn = {name: paths[:DRAWN] for name, paths in _both_paths(log, motion, rule).items()}
     draw_odometry([run.truth for run in runs], drawn, names=[run.name for run in runs], save=path)
     return True
 
 
-def _both_paths(log: OdometryLog, matrix: Array, rule: str) -> dict[str, list[Array]]:
+def _both_paths(log: OdometryLog, motion: Array | Motion, rule: str) -> dict[str, list[Array]]:
     """Poses (N, 3) of every run by nominal and by calibrated odometry."""
-    nominal = drive_parameters(log.drive, log.nominal)
-    models = {"nominal": nominal.matrix(nominal.nominal), "calibrated": matrix}
+    nominal = log.subject.parameters()
+    models = {"nominal": nominal.motion(nominal.nominal), "calibrated": motion}
     return {name: [dead_reckoning(run, M, rule) for run in log.runs] for name, M in models.items()}
-
-
-def _text(data: Mapping[str, Any]) -> str:
-    runs = len(data["runs"])
-    lines = [f"{data['drive']} base, {data['method']}, {runs} run{'s' if runs != 1 else ''}:"]
-    lines += _table(data["nominal"], data["calibrated"], data["deviations"])
-    lines += [f"  {name} {data[name]:.6f}" for name in ("E_b", "E_d") if name in data]
-    if data.get("set") == "extended" and "physical" in data:
-        plain = data["physical"]
-        lines += ["with the physical parameters only:"]
-        lines += _table(plain["nominal"], plain["calibrated"], plain["deviations"])
-    columns = {"before": data["errors_before"], "after": data["errors_after"]}
-    if data.get("set") == "extended" and "physical" in data:
-        columns["physical only"] = data["physical"]["errors_after"]
-    if "errors_held_out" in data:
-        columns["held out"] = data["errors_held_out"]
-    lines += ["largest errors over the runs:" + "".join(f"{name:>15}" for name in columns)]
-    for key, label in _LABELS.items():
-        if key in data["errors_before"]:
-            lines.append(f"  {label:27}" + "".join(f"{errors[key]:15.6f}" for errors in columns.values()))
-    lines += [f"runs as MCAP: {data['recordings']}"] if "recordings" in data else []
-    return "\n".join([*lines, *(f"note: {note}" for note in data["notes"])])
-
-
-_LABELS = {
-    "max_distance_m": "distance on the way, m",
-    "max_heading_deg": "heading on the way, deg",
-    "max_final_distance_m": "distance at the end, m",
-    "max_final_heading_deg": "heading at the end, deg",
-    "E_max_m": "E_max of both means, m",
-}
-
-
-def _table(nominal: Mapping[str, float], found: Mapping[str, float], sure: Mapping[str, float | None]) -> list[str]:
-    width = max(map(len, nominal))
-    lines = [f"  {'':{width}}  {'nominal':>10}  {'calibrated':>10}  {'deviation':>10}"]
-    for name, value in nominal.items():
-        deviation = sure[name]
-        shown = f"{'unknown':>10}" if deviation is None else f"{deviation:10.6f}"
-        lines.append(f"  {name:{width}}  {value:10.6f}  {found[name]:10.6f}  {shown}")
-    return lines

@@ -21,6 +21,7 @@ COMMANDS = Table(
         "check": "holonom.app.commands.check:COMMAND",
         "report": "holonom.app.commands.report:COMMAND",
         "calibrate dynamics": "holonom.app.commands.calibrate_dynamics:COMMAND",
+        "calibrate drive": "holonom.app.commands.calibrate_drive:COMMAND",
         "calibrate odometry": "holonom.app.commands.calibrate_odometry:COMMAND",
         "methods": "holonom.app.commands.methods:COMMAND",
         "bench": "holonom.app.commands.bench:COMMAND",

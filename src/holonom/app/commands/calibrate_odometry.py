@@ -19,7 +19,7 @@ class Options:
     """Logs, and how they are used."""
 
     logs: tuple[Path, ...] = argument("OptiOdom folder, or TOML beside its CSV or MCAP", metavar="LOG|FOLDER")
-    drive: str | None = option(None, "that of the logs unless given", choices="holonom.mobile.calibration:DRIVES")
+    drive: str | None = option(None, "that of the logs unless given: a drive, or an arrangement", metavar="NAME")
     method: str = option("least-squares", "how", choices="holonom.app.calibrate.odometry:METHODS")
     parameters: str | None = option(
         None, "of least squares; extended where the motion tells them", choices="holonom.mobile.calibration:SETS"

@@ -11,7 +11,7 @@ from holonom.app.odometry_log.spells import note_spells
 from holonom.app.odometry_log.story import check_columns, judge_miss
 from holonom.app.odometry_log.table import Table
 from holonom.errors import LogError
-from holonom.mobile.calibration import Clock, DriveParameters, Run, clear_clock, on_the_clock_of_the_wheels, seen_from
+from holonom.mobile.calibration import Clock, Parameters, Run, clear_clock, on_the_clock_of_the_wheels, seen_from
 from holonom.mobile.odometry import find_gaps
 
 __all__ = ["check_motion", "check_time", "in_one_clock", "part_names"]
@@ -22,6 +22,7 @@ WILDEST = 30.0  # rad/s of the truth
 FEWEST = 16  # samples of a part between gaps
 SLOWEST = 0.003  # m/s: a run in which nothing is ever faster has another unit of time
 MOVED = 0.05  # m that must have been driven to say so
+ROUND = 8.0 * np.pi  # rad that a wheel may be steered which goes all round
 STEP = 5.0  # s between samples, more is another unit of time
 
 
@@ -77,7 +78,7 @@ def part_names(path: Path, count: int) -> list[str]:
     return [name] if count == 1 else [f"{name} part {k}" for k in range(1, count + 1)]
 
 
-def check_motion(table: Table, run: Run, parameters: DriveParameters, wheels: Sequence[str]) -> tuple[str, ...]:
+def check_motion(table: Table, run: Run, parameters: Parameters, wheels: Sequence[str]) -> tuple[str, ...]:
     """Refuse speeds that cannot be, wrong units and swapped columns; notes on what is doubtful: jumps, dropouts, slip.
 
     Parameters
@@ -91,16 +92,18 @@ def check_motion(table: Table, run: Run, parameters: DriveParameters, wheels: Se
     ------
     LogError
     """
-    M = parameters.matrix(parameters.nominal)
+    motion, radius = parameters.motion(parameters.nominal), _largest_radius(parameters)
     _check_steering(table, run)
-    diameters = [v for n, v in zip(parameters.names, parameters.nominal, strict=True) if n.startswith("diameter")]
-    _check_rims(table, run, wheels, 0.5 * max(diameters))
-    _check_clock(table, run, 0.5 * max(diameters))
+    _check_rims(table, run, wheels, radius)
+    _check_clock(table, run, radius)
     if not len(run.truth):
         return ()
-    miss, frame = check_columns(table, run, M, wheels)
+    miss, frame = check_columns(table, run, motion, wheels)
     _check_truth(table, run)
-    notes = (*judge_miss(table, miss), *note_spells(table, run, M if frame is None else seen_from(M, frame), wheels))
+    notes = (
+        *judge_miss(table, miss),
+        *note_spells(table, run, motion if frame is None else seen_from(motion, frame), wheels),
+    )
     if frame is None:
         return notes
     turned = f"{table.path}: the truth's frame is turned by {np.degrees(frame[2]):.1f} degrees against the base"
@@ -108,7 +111,7 @@ def check_motion(table: Table, run: Run, parameters: DriveParameters, wheels: Se
 
 
 def in_one_clock(
-    table: Table, run: Run, parameters: DriveParameters, wheels: Sequence[str], *, as_published: bool = False
+    table: Table, run: Run, parameters: Parameters, wheels: Sequence[str], *, as_published: bool = False
 ) -> tuple[Run, tuple[str, ...]]:  # fmt: skip
     """The run on the clock of its wheels, and notes: what `check_motion` says where the truth's clock is put right.
 
@@ -127,7 +130,7 @@ def in_one_clock(
         doubts = check_motion(table, run, parameters, wheels)
     except LogError as problem:
         fault = problem
-    clock = clear_clock(run, parameters.matrix(parameters.nominal)) if len(run.truth) else Clock()
+    clock = clear_clock(run, parameters.motion(parameters.nominal)) if len(run.truth) else Clock()
     if clock == Clock():
         if fault is not None:
             raise fault
@@ -158,6 +161,15 @@ def _said(clock: Clock, run: Run) -> str:
     return rate if abs(late) < 0.5 * step else f"{rate} and {told} half-way"
 
 
+def _largest_radius(parameters: Parameters) -> float:
+    sizes = [
+        (0.5 if name.startswith("diameter") else 1.0) * value
+        for name, value in zip(parameters.names, parameters.nominal, strict=True)
+        if name.startswith(("diameter", "radius"))
+    ]
+    return float(max(sizes))
+
+
 def _check_clock(table: Table, run: Run, radius: float) -> None:
     """A run that creeps all along: its time is in ms."""
     dt = np.diff(run.time)
@@ -169,9 +181,13 @@ def _check_clock(table: Table, run: Run, radius: float) -> None:
 
 
 def _check_steering(table: Table, run: Run) -> None:
-    if run.steering.size == 0 or np.abs(run.steering).max() <= np.pi:
+    alone = "steering" in table.names
+    if run.steering.size == 0 or np.abs(run.steering).max() <= (np.pi if alone else ROUND):
         return
     row = int(np.argmax(np.abs(run.steering).max(axis=1)))
+    if not alone:
+        angle = float(np.abs(run.steering[row]).max())
+        table.fault(row, "time", f"a wheel steers {angle:.4g} rad, several turns: degrees instead of rad?")
     raw = table.column("steering")
     wheel = "front" if "front" in table.names else table.names[-2]
     if np.all(raw == np.round(raw)) and np.abs(table.column(wheel)).max() <= np.pi:

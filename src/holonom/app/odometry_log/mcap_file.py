@@ -16,6 +16,7 @@ import numpy as np
 from mcap.well_known import MessageEncoding, Profile, SchemaEncoding
 from mcap.writer import CompressionType, Writer
 
+from holonom.app.odometry_log.log import Columns
 from holonom.app.odometry_log.recorded.bag import DAMAGED, messages_of
 from holonom.app.odometry_log.recorded.truth_messages import TRUTHS, poses_of
 from holonom.app.odometry_log.table import Table
@@ -30,7 +31,7 @@ from holonom.app.recording.format.messages import (
 from holonom.app.recording.format.schemas import schema_text
 from holonom.arrays import Array
 from holonom.errors import LogError, OutputError
-from holonom.mobile.calibration import Run, wheels_of
+from holonom.mobile.calibration import Run
 
 __all__ = ["JOINTS", "ODOMETRY", "read_mcap_table", "write_mcap"]
 
@@ -41,8 +42,7 @@ SUFFIX = "_steering"
 
 def read_mcap_table(
     path: Path,
-    wheels: Sequence[str],
-    steered: Sequence[str],
+    called: Columns,
     *,
     joints_topic: str | None = None,
     truth_topic: str | None = None,
@@ -54,7 +54,7 @@ def read_mcap_table(
     Parameters
     ----------
     path : MCAP file, rosbag2 database or folder of one.
-    wheels, steered : names of the drive's wheels, and of those that are steered.
+    called : names of the drive's wheels, and of those that are steered.
     joints_topic, truth_topic : of the wheels' angles and of the truth; the first of each type unless given.
     names : of the joints, where they differ from those of the wheels.
     frame : of the base in transforms; its usual names, or the only one, unless given.
@@ -68,7 +68,7 @@ def read_mcap_table(
     if not messages.get(JOINTS):
         raise LogError(f"{path}: no {JOINTS} messages; record the wheels' angles as joint states")
     joints = [_joint_message(path, data) for data in messages[JOINTS]]
-    wanted = [(names or {}).get(name, name) for name in (*wheels, *(name + SUFFIX for name in steered))]
+    wanted = [(names or {}).get(name, name) for name in _joints(called)]
     kind = joints[0]
     if any(one.names != kind.names for one in joints):
         raise LogError(f"{path}: {JOINTS} messages of different joints; name the topic of the wheels alone")
@@ -80,7 +80,7 @@ def read_mcap_table(
     at = [kind.names.index(name) for name in wanted]
     rows = np.stack([_joint_values(path, data, one) for data, one in zip(messages[JOINTS], joints, strict=True)])
     values = np.column_stack([rows[:, 0], rows[:, 1:][:, at]])
-    columns = ("time", *wheels, *("steering" for _ in steered))
+    columns = ("time", *called.wheels, *called.steering)
     kind_of_truth = next((known for known in TRUTHS if messages.get(known)), None)
     if kind_of_truth is not None:
         values = np.column_stack([values, _truth_at(path, kind_of_truth, messages[kind_of_truth], values[:, 0], frame)])
@@ -94,21 +94,21 @@ def read_mcap_table(
     return table
 
 
-def write_mcap(path: Path, run: Run, drive: str, *, others: Mapping[str, Array] | None = None) -> None:
+def write_mcap(path: Path, run: Run, called: Columns, *, others: Mapping[str, Array] | None = None) -> None:
     """Write a run: running wheel angles on /joint_states, the truth, where there is one, on /odom.
 
     Running angles tell turns between samples only: a run whose first sample has turns gets one more, a step before it.
 
     Parameters
     ----------
+    called : names of wheels and of joints that steer.
     others : topic -> poses (N, 3) of other odometry of this run, to look at beside the truth.
 
     Raises
     ------
     OutputError
     """
-    wheels, steered = wheels_of(drive)
-    layout = joint_layout(JointMessage((*wheels, *(name + SUFFIX for name in steered)), arrays=1))
+    layout = joint_layout(JointMessage(_joints(called), arrays=1))
     odometry = odometry_layout()
     poses = {"/odom": run.truth, **(others or {})}
     if run.turns[0].any():
@@ -130,6 +130,10 @@ def write_mcap(path: Path, run: Run, drive: str, *, others: Mapping[str, Array] 
             writer.finish()  # type: ignore[no-untyped-call]
     except OSError as error:
         raise OutputError(f"cannot write {path}: {error.strerror}; give a folder that can be written") from None
+
+
+def _joints(called: Columns) -> tuple[str, ...]:
+    return (*called.wheels, *(name + SUFFIX for name in called.joints))
 
 
 def _from_rest(run: Run) -> Run:

@@ -7,12 +7,7 @@ from numpy.typing import NDArray
 
 from holonom.arrays import Array
 
-__all__ = ["lever_of", "moved"]
-
-
-def lever_of(M: Array) -> float:
-    """How far a wheel's way turns the base, m per rad; `M` (3, f) is its motion matrix."""
-    return float(np.abs(M[:2]).max() / max(np.abs(M[2]).max(), 1e-12))
+__all__ = ["moved"]
 
 
 def moved(poses: Array, start: NDArray[np.intp], end: NDArray[np.intp], lever: float) -> Array:

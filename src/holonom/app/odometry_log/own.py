@@ -8,14 +8,15 @@ from pathlib import Path
 import numpy as np
 
 from holonom.app.odometry_log.checks import check_motion, check_time, part_names
-from holonom.app.odometry_log.log import OdometryLog
+from holonom.app.odometry_log.log import OdometryLog, Subject
 from holonom.app.odometry_log.table import Table
 from holonom.app.recording import CUT_OFF, Recording, read_recording
 from holonom.app.recording.format.pieces import read_pieces
 from holonom.app.recording.robot import BaseDescription, base_of
 from holonom.arrays import Array
 from holonom.errors import InputError, LogError
-from holonom.mobile.calibration import Run, drive_parameters, wheels_of
+from holonom.mobile import WheelBase
+from holonom.mobile.calibration import Run, wheels_of
 from holonom.mobile.odometry import angle_per_tick, count_differences
 
 __all__ = ["read_own"]
@@ -44,16 +45,18 @@ def read_own(path: Path) -> OdometryLog | None:
         recording = read_recording(path, robot=robot)
     except InputError as error:
         raise LogError(str(error)) from None
-    drive, nominal = _drive(path, base)
+    subject = _subject(path, base)
     table, turns = _table(path, recording, base)
+    steering = _steering(path, recording, subject.base, table.column("time"))
     (table,), notes = check_time(table, allow_gaps=False, running=True)
     truth = table.values[:, -3:]
     name = part_names(path, 1)[0]
-    run = Run(name, table.column("time"), turns, truth, np.empty((len(turns), 0)))
-    doubts = check_motion(table, run, drive_parameters(drive, nominal), base.wheels)
+    run = Run(name, table.column("time"), turns, truth, steering)
+    doubts = check_motion(table, run, subject.parameters(), base.wheels)
     cut = (f"{path} was cut off; what is there is taken",) if recording.ended == CUT_OFF else ()
     lost = tuple(f"{path} is damaged or cut off, missing is {missing.text()}" for missing in recording.missing)
-    return OdometryLog(path, drive, nominal, None, (run,), (*cut, *lost, *notes, *doubts))
+    told = (*cut, *lost, *notes, *doubts)
+    return OdometryLog(path, subject.drive, subject.geometry, None, (run,), told, base=subject.base)
 
 
 def _table(path: Path, recording: Recording, base: BaseDescription) -> tuple[Table, Array]:
@@ -71,8 +74,41 @@ def _table(path: Path, recording: Recording, base: BaseDescription) -> tuple[Tab
     return table, np.ascontiguousarray(ticks * angle_per_tick(base.counts_per_turn, base.gear_ratio))
 
 
-def _drive(path: Path, base: BaseDescription) -> tuple[str, dict[str, float]]:
-    """Which drive a base is, and its nominal numbers."""
+def _steering(path: Path, recording: Recording, base: WheelBase | None, time: Array) -> Array:
+    """Angles (N, k) of steered wheels by their encoders: those of their frames in base_link."""
+    if base is None or not base.steered:
+        return np.empty((len(time), 0))
+    framed = [i for i, w in enumerate(base.wheels) if w.kind not in ("ball", "spherical")
+              and (w.driven or w.kind == "steered")]  # fmt: skip
+    framed.sort(key=lambda i: not base.wheels[i].driven)
+    columns = []
+    for members in base.layout.groups:
+        name = f"wheel_{framed.index(members[0]) + 1}"
+        track = recording.tree.get(("base_link", name))
+        if track is None or len(track.time) < len(time) or not np.array_equal(track.time[: len(time)], time):
+            raise LogError(
+                f"{path}: steering of {name} and encoder counts are of different times; record them together"
+            )
+        T = track.poses()[: len(time)]
+        turned = np.arctan2(-T[:, 0, 1], T[:, 1, 1]) - base.wheels[members[0]].heading
+        angle = np.unwrap(turned)
+        columns.append(angle - 2.0 * math.pi * np.round(angle[0] / (2.0 * math.pi)))
+    return np.stack(columns, axis=1)
+
+
+def _subject(path: Path, base: BaseDescription) -> Subject:
+    """A drive that is calibrated by name, or any wheels that the recording describes."""
+    known = _drive(base)
+    if known is not None and (base.base is None or not base.base.steered):
+        return Subject(*known)
+    if base.base is None:
+        raise LogError(f"{path}: its base has {len(base.wheels)} driven wheels as none of the drives that are known by "
+                       "their rows alone; record it again, recordings say all wheels now")  # fmt: skip
+    return Subject(base.base.name, {}, base.base)
+
+
+def _drive(base: BaseDescription) -> tuple[str, dict[str, float]] | None:
+    """Which drive a base is, and its nominal numbers; None for others."""
     rows, count = np.array(base.rows), len(base.wheels)
     drive, lever, axes = "", 0.0, np.empty(0)
     if count == 4 and np.allclose(rows[:, :2], CORNERS) and np.ptp(np.abs(rows[:, 2])) < 1e-9:
@@ -82,7 +118,7 @@ def _drive(path: Path, base: BaseDescription) -> tuple[str, dict[str, float]]:
     elif 3 <= count <= 6 and np.allclose(np.hypot(*rows[:, :2].T), 1.0) and np.ptp(rows[:, 2]) < 1e-9 < rows[0, 2]:
         drive, lever, axes = f"omni{count}_any", rows[0, 2], np.arctan2(-rows[:, 0], rows[:, 1]) % (2.0 * math.pi)
     else:
-        raise LogError(f"{path}: its base has {count} driven wheels as none of the drives that can be calibrated")
+        return None
     wheels, _ = wheels_of(drive)
     known = {f"diameter_{name}": 2.0 * radius for name, radius in zip(wheels, base.radii, strict=True)}
     known |= {f"axis_{name}": float(axis) for name, axis in zip(wheels, axes, strict=False)}

@@ -131,8 +131,10 @@ def _joined(logs: Sequence[OdometryLog]) -> OdometryLog:
         runs=tuple(run for log in logs for run in log.runs),
         notes=tuple(notes),
         sides=tuple(side for side in sides if side is not None),
+        bumped=tuple(name for log in logs for name in log.bumped),
     )
 
 
 def _geometry(log: OdometryLog) -> str:
-    return ", ".join(f"{name} {value:g}" for name, value in log.nominal.items())
+    shown = {name: f"{value:g}" if isinstance(value, float) else str(value) for name, value in log.nominal.items()}
+    return ", ".join(f"{name} {value}" for name, value in shown.items())

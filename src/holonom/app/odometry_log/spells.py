@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.app.odometry_log.motion import lever_of, moved
+from holonom.app.odometry_log.motion import moved
 from holonom.app.odometry_log.table import Table
 from holonom.arrays import Array
-from holonom.mobile.calibration import Run, dead_reckoning
+from holonom.mobile.calibration import Motion, Run, dead_reckoning, lever_of
 from holonom.mobile.odometry import flag
 
 __all__ = ["note_spells"]
@@ -38,19 +38,19 @@ class _View:
     missed: Array
 
 
-def note_spells(table: Table, run: Run, M: Array, wheels: Sequence[str]) -> tuple[str, ...]:
+def note_spells(table: Table, run: Run, motion: Array | Motion, wheels: Sequence[str]) -> tuple[str, ...]:
     """Notes on jumps of the truth, wheels that stand while the base moves, and slip: lines, times, how much.
 
     Parameters
     ----------
     table : the run as it was read, for messages.
     run : the same in SI units, with truth.
-    M : (3, f) motion matrix of the nominal geometry.
+    motion : of the nominal geometry, what `dead_reckoning` takes.
     wheels : names of the columns of the run's wheels.
     """
     if len(run.time) < LEAST:
         return ()
-    view = _view(run, M)
+    view = _view(run, motion)
     jumps, slips = _flagged(view)
     notes = []
     texts: dict[str, list[tuple[float, str]]] = {}
@@ -76,8 +76,8 @@ _ADVICE = {
 }
 
 
-def _view(run: Run, M: Array) -> _View:
-    lever, path = lever_of(M), dead_reckoning(run, M)
+def _view(run: Run, motion: Array | Motion) -> _View:
+    lever, path = lever_of(motion), dead_reckoning(run, motion)
     truth = np.column_stack([run.truth[:, :2], run.heading])
     half = max(1, round(0.5 * SPAN / float(np.median(np.diff(run.time)))))
     at = np.arange(len(path))

@@ -15,11 +15,11 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from holonom.app.odometry_log.motion import lever_of, moved
+from holonom.app.odometry_log.motion import moved
 from holonom.app.odometry_log.table import Table
 from holonom.arrays import Array
 from holonom.errors import LogError
-from holonom.mobile.calibration import Run, dead_reckoning, seen_from, truth_frame
+from holonom.mobile.calibration import Motion, Run, dead_reckoning, lever_of, seen_from, truth_frame
 
 __all__ = ["check_columns", "judge_miss"]
 
@@ -37,6 +37,7 @@ DOUBTFUL = 0.3  # share above which it is noted
 FACTOR = 1.5  # by which way and turn of wheels and truth may differ in the mean
 FEW_WAYS, FEW_TURNS = 0.3, 0.1  # shares of a motion that are too small to tell a unit: noise makes way on the spot
 
+MANY = 5  # wheels whose orders are all tried
 MOST = 3  # mistakes in a message that would explain a log alike
 
 POSITIONS = {"mm": 1e-3, "cm": 1e-2, "inch": 0.0254}
@@ -71,7 +72,7 @@ class _Candidate:
 
 
 def check_columns(
-    table: Table, run: Run, M: Array, wheels: Sequence[str]
+    table: Table, run: Run, motion: Array | Motion, wheels: Sequence[str]
 ) -> tuple[float, tuple[float, float, float] | None]:
     """Refuse a log in which a wrong column, sign or unit keeps wheels and truth apart; name it.
 
@@ -79,7 +80,7 @@ def check_columns(
     ----------
     table : the run as it was read, for messages.
     run : the same in SI units, with truth.
-    M : (3, f) motion matrix of the nominal geometry.
+    motion : of the nominal geometry, what `dead_reckoning` takes.
     wheels : names of the columns of the run's wheels.
 
     Returns
@@ -91,7 +92,7 @@ def check_columns(
     ------
     LogError
     """
-    view = _View(run, M)
+    view = _View(run, motion)
     plain = view.reading()
     if max(np.abs(plain.wheels).sum(), np.abs(plain.truth).sum()) < STILL:
         return 0.0, None
@@ -99,8 +100,8 @@ def check_columns(
         return plain.miss, None
     candidates = [_candidate(reading) for reading in (plain, *_truths(view), *_wheels(view, wheels))]
     best = min(c.miss for c in candidates)
-    frame = truth_frame(run, M)
-    turned = _View(run, seen_from(M, frame)).reading().miss
+    frame = truth_frame(run, motion)
+    turned = _View(run, seen_from(motion, frame)).reading().miss
     if turned < min(CLEARER * plain.miss, ASTRAY) and ALIKE * turned + NEAR < best:
         return turned, frame
     good = [c for c in candidates if c.miss <= ALIKE * best + NEAR]
@@ -134,10 +135,10 @@ def judge_miss(table: Table, miss: float) -> tuple[str, ...]:
 class _View:
     """Motion over windows of one run, of any reading of it."""
 
-    def __init__(self, run: Run, M: Array) -> None:
-        self.run, self.M = run, M
-        self.lever = lever_of(M)
-        path = dead_reckoning(run, M)
+    def __init__(self, run: Run, motion: Array | Motion) -> None:
+        self.run, self.motion = run, motion
+        self.lever = lever_of(motion)
+        path = dead_reckoning(run, motion)
         self.at = _ends(run, path, self.lever)
         self.by_wheels = self._moved(path)
 
@@ -151,10 +152,10 @@ class _View:
         turned = np.column_stack([poses[:, :2], np.unwrap(poses[:, 2], period=period)]) * np.asarray(scale)
         return self._moved(turned)
 
-    def wheels(self, signs: Array, order: Sequence[int], steering: float = 1.0) -> Array:
+    def wheels(self, signs: Array, order: Sequence[int], steering: float | Array = 1.0) -> Array:
         run = self.run
         other = Run(run.name, run.time, run.turns[:, order] * signs, run.truth, steering * run.steering)
-        return self._moved(dead_reckoning(other, self.M))
+        return self._moved(dead_reckoning(other, self.motion))
 
 
 def _ends(run: Run, path: Array, lever: float) -> NDArray[np.intp]:
@@ -234,7 +235,7 @@ def _wheels(view: _View, wheels: Sequence[str]) -> Iterator[_Reading]:
     """Readings of the wheels and of the steering: another order, a wheel that counts the other way."""
     truth, count = view.reading().truth, len(wheels)
     plain, whole = tuple(range(count)), np.ones(count)
-    for order in itertools.permutations(plain):
+    for order in _orders(count):
         if order != plain:
             yield _Reading((_order_text(order, wheels),), view.wheels(whole, order), truth)
     for k in range(count):
@@ -244,7 +245,21 @@ def _wheels(view: _View, wheels: Sequence[str]) -> Iterator[_Reading]:
         named = ", ".join(f"{{{wheel}}}" for wheel in wheels)
         yield _Reading((f"columns {named} all count the other way",), view.wheels(-whole, plain), truth)
     if view.run.steering.size:
-        yield _Reading(("column {steering} counts the other way",), view.wheels(whole, plain, -1.0), truth)
+        several = view.run.steering.shape[1] > 1
+        text = "all steering columns count the other way" if several else "column {steering} counts the other way"
+        yield _Reading((text,), view.wheels(whole, plain, -1.0), truth)
+
+
+def _orders(count: int) -> Iterator[tuple[int, ...]]:
+    """Every order of few wheels; of many those with two of them swapped."""
+    plain = tuple(range(count))
+    if count <= MANY:
+        yield from itertools.permutations(plain)
+        return
+    for i, j in itertools.combinations(plain, 2):
+        swapped = list(plain)
+        swapped[i], swapped[j] = j, i
+        yield tuple(swapped)
 
 
 def _order_text(order: Sequence[int], wheels: Sequence[str]) -> str:

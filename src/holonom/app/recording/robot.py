@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
 from holonom.errors import InputError
-from holonom.mobile import WheelBase
+from holonom.mobile import Wheel, WheelBase
 
 __all__ = ["ROBOT", "BaseDescription", "base_of", "base_words"]
 
@@ -31,6 +32,8 @@ class BaseDescription:
         Rim speed of each (m/s) per (vx, vy, w), a row (3,) each.
     counts_per_turn, gear_ratio
         Of the encoder's shaft, and turns of that shaft per turn of a wheel.
+    base
+        All wheels; None in recordings that do not hold them.
     """
 
     wheels: tuple[str, ...]
@@ -38,6 +41,7 @@ class BaseDescription:
     rows: tuple[tuple[float, float, float], ...]
     counts_per_turn: int
     gear_ratio: float
+    base: WheelBase | None = None
 
 
 def base_words(
@@ -52,6 +56,11 @@ def base_words(
         "rows": rows.tolist(),
         "counts_per_turn": counts_per_turn,
         "gear_ratio": gear_ratio,
+        "base": {
+            "radius": base.radius,
+            "wheels": [asdict(wheel) for wheel in base.wheels],
+            "steering_groups": _groups(base),
+        },
     }
     return {_name(robot): {"kind": "base", "description": json.dumps(description)}}
 
@@ -76,9 +85,30 @@ def base_of(metadata: Mapping[str, Mapping[str, str]], robot: str = "") -> BaseD
             rows=tuple((float(x), float(y), float(turn)) for x, y, turn in rows),
             counts_per_turn=int(description["counts_per_turn"]),
             gear_ratio=float(description["gear_ratio"]),
+            base=_base(description),
         )
-    except (KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
+    except (InputError, KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
         raise InputError(f"the recording's words on its robot cannot be read ({error}); record it again") from None
+
+
+def _groups(base: WheelBase) -> dict[str, list[str]]:
+    """Names of the wheels that are steered together."""
+    groups = zip(base.steered, base.layout.groups, strict=True)
+    return {name: [base.wheels[i].name for i in members] for name, members in groups if len(members) > 1}
+
+
+def _base(description: Mapping[str, Any]) -> WheelBase | None:
+    words = description.get("base")
+    if words is None:
+        return None
+    wheels = []
+    for wheel in words["wheels"]:
+        stated: dict[str, Any] = {
+            key: tuple(value) if isinstance(value, list) else value for key, value in wheel.items()
+        }
+        wheels.append(Wheel(**stated))
+    groups = words["steering_groups"]
+    return WheelBase(wheels, name=str(description["name"]), radius=float(words["radius"]), steering_groups=groups)
 
 
 def _name(robot: str) -> str:

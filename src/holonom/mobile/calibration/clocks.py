@@ -9,7 +9,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize
 
 from holonom.arrays import Array
-from holonom.mobile.calibration.runs import Run, dead_reckoning
+from holonom.mobile.calibration.runs import Motion, Run, dead_reckoning, lever_of
 
 __all__ = ["Clock", "clear_clock", "clock_of", "on_the_clock_of_the_wheels", "truth_frame"]
 
@@ -33,7 +33,7 @@ class Clock(NamedTuple):
     rate: float = 0.0
 
 
-def clock_of(run: Run, matrix: Array) -> Clock:
+def clock_of(run: Run, motion: Array | Motion) -> Clock:
     """The truth's clock by the motions over short spans; zeros where noise would look the same.
 
     The motions over short spans, forwards, sideways and turning, by the wheels and by the truth, are compared at every
@@ -42,24 +42,24 @@ def clock_of(run: Run, matrix: Array) -> Clock:
 
     Parameters
     ----------
-    matrix : (3, f) motion matrix of the nominal geometry.
+    motion : of the nominal geometry: motion matrix (3, f), or a `Motion`.
     """
-    return _Compared.search(run, matrix, clear=False)
+    return _Compared.search(run, motion, clear=False)
 
 
-def clear_clock(run: Run, matrix: Array) -> Clock:
+def clear_clock(run: Run, motion: Array | Motion) -> Clock:
     """The same where it is clear: it is worth half a sample or more, and more than what never quite agrees."""
-    return _Compared.search(run, matrix, clear=True)
+    return _Compared.search(run, motion, clear=True)
 
 
-def truth_frame(run: Run, matrix: Array) -> tuple[float, float, float]:
+def truth_frame(run: Run, motion: Array | Motion) -> tuple[float, float, float]:
     """Where the truth's frame is on the base, roughly: ahead and to the left, m, and its turn, rad.
 
     By linear least squares of motions over short spans, those of the truth by `exp(-i yaw) (v + i w p)`.
 
     Parameters
     ----------
-    matrix : (3, f) motion matrix of the nominal geometry.
+    motion : of the nominal geometry: motion matrix (3, f), or a `Motion`.
     """
     period = float(np.median(np.diff(run.time)))
     half = max(1, round(0.5 * SPAN / period)) * period
@@ -67,7 +67,7 @@ def truth_frame(run: Run, matrix: Array) -> tuple[float, float, float]:
     if len(inner) < LEAST:
         return 0.0, 0.0, 0.0
     truth = CubicSpline(run.time, np.column_stack([run.truth[:, :2], run.heading]))
-    ours = _motions(CubicSpline(run.time, dead_reckoning(run, matrix)), inner, half, 1.0)
+    ours = _motions(CubicSpline(run.time, dead_reckoning(run, motion)), inner, half, 1.0)
     theirs = _motions(truth, inner, half, 1.0)[:, :2] @ np.array([1.0, 1.0j])
     effects = np.stack([ours[:, :2] @ np.array([1.0, 1.0j]), 1j * ours[:, 2]], axis=1)
     turned, moved = np.linalg.lstsq(effects, theirs, rcond=1e-6)[0]
@@ -84,7 +84,9 @@ def on_the_clock_of_the_wheels(run: Run, clock: Clock) -> Run:
     kept = (at >= run.time[0]) & (at <= run.time[-1])
     turns = run.turns[kept].copy()
     turns[0] = 0.0  # what came before the first sample is none of its own
-    return Run(run.name, run.time[kept], turns, CubicSpline(run.time, truth)(at)[kept], run.steering[kept])
+    seen = CubicSpline(run.time, truth)(at)[kept]
+    rate, flow = (rows[kept] if len(rows) else rows for rows in (run.rate, run.flow))
+    return Run(run.name, run.time[kept], turns, seen, run.steering[kept], rate, flow)
 
 
 def _middle(run: Run) -> float:
@@ -94,24 +96,24 @@ def _middle(run: Run) -> float:
 class _Compared:
     """Motions of one run by its wheels beside those by its truth at any clock."""
 
-    def __init__(self, run: Run, matrix: Array, period: float, most: float) -> None:
+    def __init__(self, run: Run, motion: Array | Motion, period: float, most: float) -> None:
         self.half = max(1, round(0.5 * SPAN / period)) * period
         self.truth = CubicSpline(run.time, np.column_stack([run.truth[:, :2], run.heading]))
-        self.lever = float(np.abs(matrix[:2]).max() / max(np.abs(matrix[2]).max(), 1e-12))
+        self.lever = lever_of(motion)
         inner = run.time[(run.time > run.time[0] + most + SPAN) & (run.time < run.time[-1] - most - SPAN)]
         self.time, self.since = inner, inner - _middle(run)
-        ours = _motions(CubicSpline(run.time, dead_reckoning(run, matrix)), inner, self.half, self.lever)
+        ours = _motions(CubicSpline(run.time, dead_reckoning(run, motion)), inner, self.half, self.lever)
         U, s, _ = np.linalg.svd(ours, full_matrices=False)
         self.basis = U[:, s > 1e-9 * max(s[0], 1e-300)]
 
     @classmethod
-    def search(cls, run: Run, matrix: Array, *, clear: bool) -> Clock:
+    def search(cls, run: Run, motion: Array | Motion, *, clear: bool) -> Clock:
         period, length = float(np.median(np.diff(run.time))), float(run.time[-1] - run.time[0])
         most = min(MOST, 0.25 * length)
         short = len(run.truth) * period < 2.0 * SPAN * LEAST or most < period
         if short or max(np.abs(run.truth).max(initial=0.0), np.abs(run.turns).max(initial=0.0)) > LARGE:
             return Clock()
-        return cls(run, matrix, period, most).best(period, most, length, clear=clear)
+        return cls(run, motion, period, most).best(period, most, length, clear=clear)
 
     def best(self, period: float, most: float, length: float, *, clear: bool) -> Clock:
         start = self._coarse(period, most)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -10,13 +10,17 @@ import numpy as np
 
 from holonom.arrays import Array
 from holonom.errors import CalibrationError, OutOfLimits
+from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.calibration.clocks import truth_frame
+from holonom.mobile.calibration.derived import known_parameters
+from holonom.mobile.calibration.identifiability import helpful_run
 from holonom.mobile.calibration.limits import attainable, classical, largest_errors, within
-from holonom.mobile.calibration.parameters import DriveParameters, article, drive_parameters, turned_frame, wheels_of
+from holonom.mobile.calibration.parameters import Parameters, article, turned_frame, wheels_of
 from holonom.mobile.calibration.pieces import prepared, surest
 from holonom.mobile.calibration.residuals import Problem, path_lever, solve
-from holonom.mobile.calibration.runs import PathErrors, Run, dead_reckoning, need_truth, path_errors
-from holonom.mobile.calibration.uncertainty import check_excitation, noise_covariance
+from holonom.mobile.calibration.runs import Motion, PathErrors, Run, dead_reckoning, need_truth, path_errors
+from holonom.mobile.calibration.standard_runs import STANDARD_RUNS, base_of_drive
+from holonom.mobile.calibration.uncertainty import check_excitation, noise_covariance, tightness
 
 __all__ = ["Calibration", "calibrate", "held_out_errors"]
 
@@ -32,7 +36,8 @@ class Calibration:
     nominal, values, deviations : (p,) before, after, and standard deviations; m and rad.
     covariance : (p, p) of the values.
     singular_values : (p,) of the weighted Jacobian by the scaled parameters, largest first.
-    matrix : (3, f) motion matrix: features of a sample (see `Run.features`) to increments of the base.
+    motion : what `dead_reckoning` takes: motion matrix (3, f), features of a sample (see `Run.features`) to increments
+        of the base; of a wheel set that steers a `Motion`.
     lever : m/rad, by which headings were weighted.
     before, after : errors of odometry along the runs.
     clocks : (runs,) s by which the truth's clock is behind that of the wheels; NaN where the motion does not tell it.
@@ -49,13 +54,26 @@ class Calibration:
     deviations: Array
     covariance: Array
     singular_values: Array
-    matrix: Array
+    motion: Array | Motion
     lever: float
     before: PathErrors
     after: PathErrors
     clocks: Array
     limits: Array
     growth: float
+
+    @property
+    def matrix(self) -> Array:
+        """Motion matrix (3, f).
+
+        Raises
+        ------
+        CalibrationError
+            A wheel set that steers has none: `motion`.
+        """
+        if isinstance(self.motion, Motion):
+            raise CalibrationError(f"a {self.drive} base steers and has no motion matrix; take its `motion`")
+        return self.motion
 
     @property
     def condition(self) -> float:
@@ -71,8 +89,8 @@ class Calibration:
 
 def calibrate(
     runs: Sequence[Run],
-    drive: str,
-    nominal: Mapping[str, float],
+    drive: str | WheelBase,
+    nominal: Mapping[str, float] | None = None,
     *,
     set_name: str = "physical",
     rule: str = "midpoint",
@@ -91,8 +109,8 @@ def calibrate(
     Parameters
     ----------
     runs : with the truth; any trajectories.
-    drive : a key of `DRIVES`.
-    nominal : its physical parameters to start from, m and rad.
+    drive : a key of `DRIVES`, or any wheel set, with parameters by its wheels (`derived_parameters`).
+    nominal : physical parameters of a drive by name to start from, m and rad; a wheel set has its own.
     set_name : "physical", what a data sheet states, or "extended", every wheel's own direction and lever.
     rule : of integration.
     lever : m/rad; how far the truth goes from the start of a piece unless given.
@@ -111,29 +129,39 @@ def calibrate(
     Source: Gauss-Newton on the recursion, by Levenberg and Marquardt (`scipy.optimize.least_squares`); extended sets
     free the whole matrix of Lin, Liu & Kuo 2019 and Sousa, Petry, Costa & Moreira 2020.
     """
-    parameters = drive_parameters(drive, nominal, set_name)
+    parameters = known_parameters(drive, nominal, set_name)
     problem = Problem(_checked(runs, drive), parameters, rule, _lever(runs, lever), _weight(final_weight))
-    x = _solved(problem)
+    base = drive if isinstance(drive, WheelBase) else base_of_drive(drive, nominal or {})
+
+    def suggest(direction: Array) -> str:
+        named = helpful_run(whole, base, direction)
+        return "" if named is None else f"; {STANDARD_RUNS[named]} would tell it best"
+
+    problem = replace(problem, tightness=tightness(problem.parts(np.zeros(len(parameters.names)))))
     whole = problem
+    x = _solved(problem, suggest)
+    problem = replace(problem, tightness=tightness(problem.parts(x)))
+    x = solve(problem, x)
     problem = prepared(problem, x) if limits is not None else surest(problem, x, lever=lever)
     x = solve(problem, x)
-    covariance = noise_covariance(problem.parts(x))
-    values = check_excitation(problem.residuals(x)[1], parameters, _relative(problem, x, covariance))
+    covariance = noise_covariance(problem.parts(x), None, problem.tightness)
+    values = check_excitation(problem.residuals(x)[1], parameters, _relative(problem, x, covariance), suggest)
     _check_reach(x, parameters)
-    x, bounds, growth = _limited(problem, x, nominal, limits)
-    scale = parameters.scale
-    M = parameters.matrix(problem.values(x))
+    x, bounds, growth = _limited(problem, x, known_parameters(drive, nominal), limits)
+    scale, sigma = parameters.scale, np.sqrt(np.maximum(np.diagonal(covariance), 0.0))
+    motion = parameters.motion(problem.values(x))
     return Calibration(
-        drive, set_name, parameters.names, parameters.nominal, problem.values(x),
-        scale * np.sqrt(np.diagonal(covariance)), covariance * np.outer(scale, scale), values, M, problem.lever,
-        _errors(runs, parameters.matrix(parameters.nominal), rule), _errors(runs, M, rule),
+        parameters.drive, set_name, parameters.names, parameters.nominal, problem.values(x),
+        scale * sigma, covariance * np.outer(scale, scale), values, motion, problem.lever,
+        _errors(runs, parameters.motion(parameters.nominal), rule), _errors(runs, motion, rule),
         np.array([part.clock for part in whole.parts(x)]), bounds, growth,
     )  # fmt: skip
 
 
 def held_out_errors(
-    runs: Sequence[Run], drive: str, nominal: Mapping[str, float], *, set_name: str = "physical", rule: str = "midpoint"
-) -> PathErrors:
+    runs: Sequence[Run], drive: str | WheelBase, nominal: Mapping[str, float] | None = None, *,
+    set_name: str = "physical", rule: str = "midpoint",
+) -> PathErrors:  # fmt: skip
     """Errors of each run by a calibration from all the others: what a calibration is worth on a run it has not seen.
 
     Parameters as for `calibrate`.
@@ -150,7 +178,7 @@ def held_out_errors(
     for k, run in enumerate(runs):
         others = [*runs[:k], *runs[k + 1 :]]
         found = calibrate(others, drive, nominal, set_name=set_name, rule=rule)
-        paths.append(dead_reckoning(run, found.matrix, rule))
+        paths.append(dead_reckoning(run, found.motion, rule))
     return path_errors(runs, paths)
 
 
@@ -162,24 +190,24 @@ def _relative(problem: Problem, x: Array, covariance: Array) -> Array:
     return covariance * np.outer(stretch, stretch)
 
 
-def _solved(problem: Problem) -> Array:
+def _solved(problem: Problem, suggest: Callable[[Array], str]) -> Array:
     """Solution from the nominal numbers, and the truth's frame turned as the directions of motion are."""
     drive = problem.drive
-    check_excitation(problem.residuals(np.zeros(len(drive.names)))[1], drive)
-    matrix = drive.matrix(drive.nominal)
-    turns = np.array([truth_frame(run, matrix)[2] for run in problem.runs])
+    check_excitation(problem.residuals(np.zeros(len(drive.names)))[1], drive, None, suggest)
+    motion = drive.motion(drive.nominal)
+    turns = np.array([truth_frame(run, motion)[2] for run in problem.runs])
     return solve(problem, turned_frame(drive, float(np.angle(np.exp(1j * turns).sum()))))
 
 
 def _limited(
-    problem: Problem, x: Array, nominal: Mapping[str, float], limits: Sequence[float] | Literal["classical"] | None
+    problem: Problem, x: Array, physical: Parameters, limits: Sequence[float] | Literal["classical"] | None
 ) -> tuple[Array, Array, float]:
     """Parameters within limits, the limits, and how much the errors grew."""
     drive, free, told = problem.drive, np.full(4, np.inf), limits == "classical"
     if limits is None or (told and drive.set == "physical"):
         return x, free, 0.0
     if told:
-        plain = replace(problem, drive=drive_parameters(drive.drive, nominal))
+        plain = replace(problem, drive=physical)
         bounds = largest_errors(plain, classical(plain))
     else:
         bounds = _four(limits)
@@ -205,7 +233,7 @@ def _four(limits: object) -> Array:
     return bounds
 
 
-def _unkept(bounds: Array, drive: DriveParameters) -> str:
+def _unkept(bounds: Array, drive: Parameters) -> str:
     units = (
         (1.0, "m on the way"),
         (180.0 / np.pi, "degrees on the way"),
@@ -221,12 +249,13 @@ def _unkept(bounds: Array, drive: DriveParameters) -> str:
     )
 
 
-def _errors(runs: Sequence[Run], M: Array, rule: str) -> PathErrors:
-    return path_errors(runs, [dead_reckoning(run, M, rule) for run in runs])
+def _errors(runs: Sequence[Run], motion: Array | Motion, rule: str) -> PathErrors:
+    return path_errors(runs, [dead_reckoning(run, motion, rule) for run in runs])
 
 
-def _checked(runs: Sequence[Run], drive: str) -> tuple[Run, ...]:
-    wheels, steered = wheels_of(drive)
+def _checked(runs: Sequence[Run], drive: str | WheelBase) -> tuple[Run, ...]:
+    wheels, steered = (drive.driven, drive.steered) if isinstance(drive, WheelBase) else wheels_of(drive)
+    name = drive.name if isinstance(drive, WheelBase) else drive
     if not runs:
         raise CalibrationError("no run came; give one or more")
     need_truth(runs)
@@ -234,7 +263,7 @@ def _checked(runs: Sequence[Run], drive: str) -> tuple[Run, ...]:
         if run.turns.shape[1] != len(wheels) or run.steering.shape[1] != len(steered):
             raise CalibrationError(
                 f"run {run.name} has {run.turns.shape[1]} wheels and {run.steering.shape[1]} steering angles; "
-                f"{article(drive)} has {len(wheels)} ({', '.join(wheels)}) and {len(steered)}"
+                f"{article(name)} has {len(wheels)} ({', '.join(wheels)}) and {len(steered)}"
             )
     return tuple(runs)
 
@@ -253,9 +282,11 @@ def _weight(final_weight: float) -> float:
     return float(final_weight)
 
 
-def _check_reach(x: Array, parameters: DriveParameters) -> None:
+def _check_reach(x: Array, parameters: Parameters) -> None:
     """A parameter that moved by as much as it is: the motion did not hold it, or the log is not of this robot."""
-    free = [name.startswith(("frame_", "direction")) for name in parameters.names]  # a marker may be anywhere
+    free = [
+        name.startswith(("frame_", "direction", "x_", "y_", "centre")) for name in parameters.names
+    ]  # a marker may be anywhere
     far = (np.abs(x) > 0.9) & ~np.array(free)
     if far.any():
         named = ", ".join(name for name, away in zip(parameters.names, far, strict=True) if away)

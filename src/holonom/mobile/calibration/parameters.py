@@ -10,16 +10,70 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from holonom.arrays import Array
 from holonom.errors import CalibrationError, OutOfLimits, UnknownName
+from holonom.mobile.calibration.runs import Motion, Run
 
-__all__ = ["DRIVES", "SETS", "DriveParameters", "article", "drive_parameters", "seen_from", "turned_frame", "wheels_of"]
+__all__ = [
+    "DRIVES", "SETS", "DriveParameters", "Parameters", "Sampled", "article", "drive_parameters", "seen_from",
+    "turned_frame", "wheels_of",
+]  # fmt: skip
 
 
 SETS = ("physical", "extended")
+
+
+class Sampled(NamedTuple):
+    """A run at one set of p parameters, sample by sample.
+
+    Attributes
+    ----------
+    increments, slopes : (N, 3) of the base in the truth's frame, m and rad, and their derivatives (N, 3, p).
+    strain, strain_slopes : (N, k) what wheels count beyond any motion of a rigid base, rad, and its derivatives
+        (N, k, p); k may be 0.
+    """
+
+    increments: Array
+    slopes: Array
+    strain: Array
+    strain_slopes: Array
+
+
+class Parameters(Protocol):
+    """What is calibrated: named numbers, and the increments of a run that they make.
+
+    `names`, `nominal` and `scale` are those of p parameters, as in `DriveParameters`.
+    """
+
+    @property
+    def drive(self) -> str:
+        """What is driven."""
+
+    @property
+    def set(self) -> str:
+        """One of `SETS`."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the parameters."""
+
+    @property
+    def nominal(self) -> Array:
+        """(p,)."""
+
+    @property
+    def scale(self) -> Array:
+        """(p,)."""
+
+    def sampled(self, run: Run, p: Array) -> Sampled:
+        """Increments of a run, with their derivatives."""
+
+    def motion(self, p: Array) -> Array | Motion:
+        """What `dead_reckoning` takes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +97,16 @@ class DriveParameters:
     scale: Array
     matrix: Callable[[Array], Array]
     slopes: Callable[[Array], Array]
+
+    def sampled(self, run: Run, p: Array) -> Sampled:
+        """Increments of a run, with their derivatives; wheels are not compared with each other."""
+        features, n = run.features, len(run.time)
+        by_all = np.ascontiguousarray(np.tensordot(features, self.slopes(p), axes=(1, 1)))
+        return Sampled(features @ self.matrix(p).T, by_all, np.empty((n, 0)), np.empty((n, 0, len(p))))
+
+    def motion(self, p: Array) -> Array:
+        """Motion matrix (3, f)."""
+        return self.matrix(p)
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,14 +315,22 @@ def _framed(plain: DriveParameters) -> DriveParameters:
     )  # fmt: skip
 
 
-def turned_frame(drive: DriveParameters, yaw: float) -> Array:
+def turned_frame(drive: Parameters, yaw: float) -> Array:
     """Unknown (p,), in scales, of nominal numbers with the truth's frame turned by yaw, rad."""
-    sign = [1.0 if name == "frame_yaw" else -1.0 if name.startswith("direction") else 0.0 for name in drive.names]
+    own = "frame_yaw" not in drive.names  # no frame: all wheels stand otherwise
+    sign = [1.0 if name == "frame_yaw" else -own if name.startswith("direction") else 0.0 for name in drive.names]
     return yaw * np.array(sign) / drive.scale
 
 
-def seen_from(M: Array, frame: tuple[float, float, float]) -> Array:
-    """The same motion (3, f) as a frame sees it that is ahead and to the left, m, and turned, rad."""
+def seen_from(motion: Array | Motion, frame: tuple[float, float, float]) -> Array | Motion:
+    """The same motion, (3, f) or a `Motion`, as a frame sees it that is ahead and to the left, m, and turned, rad."""
+    if isinstance(motion, Motion):
+        own, M = motion.increments, _seen(np.eye(3), frame)
+        return Motion(lambda run: own(run) @ M.T, motion.lever)
+    return _seen(motion, frame)
+
+
+def _seen(M: Array, frame: tuple[float, float, float]) -> Array:
     ahead, left, yaw = frame
     return np.vstack([_yaw(yaw) @ (M[:2] + np.outer([-left, ahead], M[2])), M[2:]])
 

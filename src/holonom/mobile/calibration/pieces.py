@@ -18,7 +18,7 @@ from holonom.arrays import Array
 from holonom.mobile.calibration.clocks import clock_of, on_the_clock_of_the_wheels
 from holonom.mobile.calibration.residuals import Problem, path_lever, solve
 from holonom.mobile.calibration.runs import Run
-from holonom.mobile.calibration.uncertainty import UNSEEN, noise_covariance, noise_of, sureness
+from holonom.mobile.calibration.uncertainty import UNSEEN, noise_covariance, noise_of, sureness, tightness
 
 __all__ = ["cut", "surest"]
 
@@ -52,14 +52,14 @@ def surest(problem: Problem, x: Array, *, lever: float | None) -> Problem:
     x : (p,) their solution.
     lever : m/rad of headings; unless given, how far a piece leads from its start.
     """
-    matrix = problem.drive.matrix(problem.values(x))
-    runs = tuple(on_the_clock_of_the_wheels(run, clock_of(run, matrix)) for run in problem.runs)
+    motion = problem.drive.motion(problem.values(x))
+    runs = tuple(on_the_clock_of_the_wheels(run, clock_of(run, motion)) for run in problem.runs)
     problem = replace(problem, runs=runs)
     x = solve(problem, x)
     noise = noise_of(problem.parts(x))
     longest = max(len(run.time) for run in problem.runs)
     best = prepared(problem, x)
-    least = _openness(best, x, noise_covariance(best.parts(x), noise))
+    least = _openness(best, x, noise_covariance(best.parts(x), noise, best.tightness))
     for halving in range(1, HALVINGS + 1) if least > np.log(ENOUGH) else ():
         samples = longest // 2**halving
         if samples < SHORTEST:
@@ -67,15 +67,16 @@ def surest(problem: Problem, x: Array, *, lever: float | None) -> Problem:
         pieces = tuple(piece for run in problem.runs for piece in cut(run, samples))
         own = path_lever(pieces) if lever is None else lever
         tried = prepared(replace(problem, runs=pieces, lever=own), x)
-        left = _openness(tried, x, noise_covariance(tried.parts(x), noise))
+        left = _openness(tried, x, noise_covariance(tried.parts(x), noise, tried.tightness))
         if left < least + np.log(CLEAR):
             best, least = tried, left
     return best
 
 
 def prepared(problem: Problem, x: Array) -> Problem:
-    """The problem with what is known beforehand of each run's own start and clock."""
-    return replace(problem, sureness=sureness(problem.parts(x), _periods(problem.runs)))
+    """The problem with what is known beforehand of each run's own start and clock, and of how wheels agree."""
+    known = replace(problem, sureness=sureness(problem.parts(x), _periods(problem.runs)))
+    return replace(known, tightness=tightness(known.parts(x)))
 
 
 def _periods(runs: Sequence[Run]) -> list[float]:

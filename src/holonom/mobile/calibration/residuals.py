@@ -14,7 +14,7 @@ import numpy as np
 from scipy import optimize
 
 from holonom.arrays import Array
-from holonom.mobile.calibration.parameters import DriveParameters
+from holonom.mobile.calibration.parameters import Parameters
 from holonom.mobile.calibration.runs import Run
 from holonom.mobile.odometry.integrate import rule_named
 from holonom.mobile.odometry.kernels import sensitivities_into
@@ -22,6 +22,7 @@ from holonom.mobile.odometry.kernels import sensitivities_into
 __all__ = ["SURE", "Problem", "RunPart", "path_lever", "solve"]
 
 
+BLOCK = 16  # samples
 TOLD = 1e-4  # share of an effect that must be its own: less of it is rounding
 SURE = 1e12  # weight of what is as good as known
 EVALUATIONS = 60  # of the residuals; a determined problem takes about ten
@@ -41,6 +42,8 @@ class RunPart:
     path : (N, 3) poses by odometry.
     clock : s by which the truth's clock is behind that of the wheels; NaN where the motion does not tell it.
     weight : (N, 3) of the squares.
+    strain, strain_slope : (B, k) what wheels count beyond any motion, rad, added up over `BLOCK` samples each, and its
+        derivatives (B, k, p): over them what encoders round is no noise, and noisy angles bend little.
     travel : (N,) mean way of the wheels in each sample, rad.
     place : (N, 2) of the truth, m.
     """
@@ -55,6 +58,8 @@ class RunPart:
     path: Array
     clock: float
     weight: Array
+    strain: Array
+    strain_slope: Array
     travel: Array
     place: Array
 
@@ -65,15 +70,17 @@ class Problem:
 
     Every run counts alike: the mean square along it, and `final_weight` squared times the square at its end; headings
     are multiplied by `lever`, m/rad. `sureness` (runs, 4) are weights of the squares of each run's own unknowns (x, y,
-    heading of its start, s of its clock), large where they are known beforehand.
+    heading of its start, s of its clock), large where they are known beforehand. `tightness` (k,) are weights of the
+    squares of what wheels count beyond any motion, in every block; nothing unless given.
     """
 
     runs: tuple[Run, ...]
-    drive: DriveParameters
+    drive: Parameters
     rule: str
     lever: float
     final_weight: float
     sureness: Array | None = None
+    tightness: Array | None = None
 
     def values(self, x: Array) -> Array:
         """Parameters (p,) of an unknown."""
@@ -81,11 +88,9 @@ class Problem:
 
     def parts(self, x: Array) -> list[RunPart]:
         """Every run at `x`."""
-        p = self.values(x)
-        M, dM = np.ascontiguousarray(self.drive.matrix(p)), self.drive.slopes(p) * self.drive.scale
-        flat = dM.reshape(-1, len(p))
         sure = np.full((len(self.runs), 4), SURE) if self.sureness is None else self.sureness
-        return [self._part(run, M, flat, own) for run, own in zip(self.runs, sure, strict=True)]
+        p = self.values(x)
+        return [self._part(run, p, own) for run, own in zip(self.runs, sure, strict=True)]
 
     def residuals(self, x: Array) -> tuple[Array, Array]:
         """Weighted errors (n,) and their derivatives (n, p)."""
@@ -95,27 +100,32 @@ class Problem:
         for part, root in zip(parts, roots, strict=True):
             r += [(part.free_error * root).ravel(), part.prior]
             J += [(part.free_slope * root[..., None]).reshape(-1, len(x)), part.prior_slope]
+            if self.tightness is not None and part.strain.shape[1]:
+                tight = np.sqrt(self.tightness)
+                r.append((part.strain * tight).ravel())
+                J.append((part.strain_slope * tight[:, None]).reshape(-1, len(x)))
         return np.concatenate(r), np.concatenate(J)
 
-    def _part(self, run: Run, M: Array, dM: Array, sure: Array) -> RunPart:
+    def _part(self, run: Run, p: Array, sure: Array) -> RunPart:
         share, exact = rule_named(self.rule)
-        features = np.ascontiguousarray(run.features)
-        n, m = features.shape
-        poses, slopes = np.empty((n, 3)), np.empty((n, 3, 3 * m))
+        at, scale = self.drive.sampled(run, p), self.drive.scale
+        n = len(at.increments)
+        poses, slope = np.empty((n, 3)), np.empty((n, 3, len(p)))
         start = np.array([*run.truth[0, :2], run.heading[0]])
-        sensitivities_into(features, M, start, share, exact, poses, slopes)
+        sensitivities_into(at.increments, at.slopes * scale, start, share, exact, poses, slope)
         error = poses - run.truth
         error[:, 2] = poses[:, 2] - run.heading
         weight = np.full(n, 1.0 / n)
         weight[-1] += self.final_weight**2
         weight = weight[:, None] * np.array([1.0, 1.0, self.lever**2]) / len(self.runs)
-        slope = slopes @ dM
         own = _own(run, poses, np.sqrt(weight), sure)
         (free_error, prior), (free_slope, prior_slope) = own.freed(error[..., None]), own.freed(slope)
         travel = np.abs(run.turns).mean(axis=1)
+        blocks = np.arange(0, n, BLOCK)
+        strain, by_strain = (np.add.reduceat(rows, blocks, axis=0) for rows in (at.strain, at.strain_slopes * scale))
         return RunPart(
             error, slope, free_error[..., 0], free_slope, prior[:, 0], prior_slope, own.effects[..., :3], poses,
-            own.clock(error), weight, travel, run.truth[:, :2],
+            own.clock(error), weight, strain, by_strain, travel, run.truth[:, :2],
         )  # fmt: skip
 
 

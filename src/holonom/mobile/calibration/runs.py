@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -11,7 +11,10 @@ from holonom.arrays import Array
 from holonom.errors import CalibrationError, NotFinite, ShapeError
 from holonom.mobile.odometry import integrate
 
-__all__ = ["PathErrors", "Run", "dead_reckoning", "need_truth", "path_errors"]
+__all__ = ["Motion", "PathErrors", "Run", "dead_reckoning", "lever_of", "need_truth", "path_errors"]
+
+
+_ROWS = ("time", "turns", "truth", "steering", "rate", "flow")
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +28,8 @@ class Run:
     turns : (N, m) angle that each wheel turned in each sample, rad; the first sample holds what came before it, zeros.
     truth : (N, 3) x, y (m), theta (rad), of the base in the world at the end of each sample; (0, 3) where unknown.
     steering : (N, k) angle of each steered wheel in each sample, rad; k may be 0.
+    rate : (N,) of a gyro, rad/s, where the run has one; (0,) otherwise.
+    flow : (N, 2) counts of an optical sensor in each sample along its own x and y; (0, 2) where there is none.
     """
 
     name: str
@@ -32,9 +37,11 @@ class Run:
     turns: Array
     truth: Array
     steering: Array
+    rate: Array = field(default_factory=lambda: np.empty(0))
+    flow: Array = field(default_factory=lambda: np.empty((0, 2)))
 
     def __post_init__(self) -> None:
-        for name in ("time", "turns", "truth", "steering"):
+        for name in _ROWS:
             object.__setattr__(self, name, self._numbers(name))
         n = self.time.size if self.time.ndim == 1 else 0
         shapes = {"turns": self.turns.shape, "truth": self.truth.shape, "steering": self.steering.shape}
@@ -44,7 +51,11 @@ class Run:
                 f"run {self.name}: {n} times, {', '.join(f'{k} {s}' for k, s in shapes.items())}; "
                 "give two samples or more, (N, wheels), (N, 3) and (N, steered wheels)"
             )
-        for name in ("time", "turns", "truth", "steering"):
+        if self.rate.shape not in ((n,), (0,)) or self.flow.shape not in ((n, 2), (0, 2)):
+            raise ShapeError(
+                f"run {self.name}: rates {self.rate.shape} and flow {self.flow.shape}; give {n} rows, or none"
+            )
+        for name in _ROWS:
             if not np.all(np.isfinite(getattr(self, name))):
                 raise NotFinite(f"run {self.name}: {name} holds NaN or infinity; repair the log")
 
@@ -105,10 +116,39 @@ class PathErrors:
         return float(self.final_headings.max())
 
 
-def dead_reckoning(run: Run, matrix: Array, rule: str = "midpoint") -> Array:
-    """Poses (N, 3) of a run by odometry from the truth's first pose, or zero; `matrix` maps features to increments."""
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """How wheels move a base whose increments are no constant matrix times features.
+
+    Attributes
+    ----------
+    increments : of a run, (N, 3), m and rad.
+    lever : how far a wheel's way turns the base, m per rad.
+    """
+
+    increments: Callable[[Run], Array]
+    lever: float
+
+
+def lever_of(motion: Array | Motion) -> float:
+    """How far a wheel's way turns the base, m per rad."""
+    if isinstance(motion, Motion):
+        return motion.lever
+    return float(np.abs(motion[:2]).max() / max(np.abs(motion[2]).max(), 1e-12))
+
+
+def dead_reckoning(run: Run, motion: Array | Motion, rule: str = "midpoint") -> Array:
+    """Poses (N, 3) of a run by odometry from the truth's first pose, or zero.
+
+    Parameters
+    ----------
+    motion : motion matrix (3, f), which turns features into increments, or a `Motion`.
+    rule : of integration.
+    """
     start = np.array([*run.truth[0, :2], run.heading[0]]) if len(run.truth) else np.zeros(3)
-    return integrate(run.features, matrix=matrix, start=start, rule=rule)
+    if isinstance(motion, Motion):
+        return integrate(motion.increments(run), start=start, rule=rule)
+    return integrate(run.features, matrix=motion, start=start, rule=rule)
 
 
 def need_truth(runs: Sequence[Run]) -> None:

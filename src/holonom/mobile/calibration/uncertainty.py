@@ -10,7 +10,7 @@ without the run's own start and clock.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -20,10 +20,10 @@ from scipy.optimize import nnls
 
 from holonom.arrays import Array
 from holonom.errors import CalibrationError
-from holonom.mobile.calibration.parameters import DriveParameters
+from holonom.mobile.calibration.parameters import Parameters
 from holonom.mobile.calibration.residuals import SURE, RunPart
 
-__all__ = ["Noise", "check_excitation", "noise_covariance", "noise_of", "sureness"]
+__all__ = ["Noise", "check_excitation", "noise_covariance", "noise_of", "sureness", "tightness"]
 
 
 SURER = 100.0  # square of how much surer a start is by a way than by its first sample
@@ -31,10 +31,20 @@ SPANS = 4  # of the longest kind that a run has at least
 UNSEEN = 1e-7  # relative singular value below which a combination has no effect at all
 OPEN = 0.3  # standard deviation of a combination, relative to the parameters' scale, above which it is left open
 MOST = 4  # names in a message
+FINEST = 2e-4  # share of its way that a wheel is trusted to, whatever its strain
+LEAST = 1e-5  # share of its way that a parameter must change of a wheel for its strain to tell anything
 NAMED = 0.05  # share of a parameter in such a combination above which it is named
 
 ADVICE = {
     "diameter": "drive a longer way, straight and with turns",
+    "radius": "drive a longer way, straight and with turns",
+    "track": "turn, on the spot or on circles, to the left and to the right",
+    "effective_track": "turn, on the spot or on circles, to the left and to the right",
+    "centre": "turn, on the spot or on circles, to the left and to the right",
+    "zero": "drive straight, and turn to both sides",
+    "steering_gear": "steer far to both sides",
+    "x_": "turn to the left and to the right, and drive sideways",
+    "y_": "turn to the left and to the right, and drive straight",
     "wheelbase": "turn, on the spot or on circles, to the left and to the right",
     "wheelbase_plus_track": "turn on the spot or on circles, to the left and to the right",
     "wheel_distance": "turn on the spot or on circles, to the left and to the right",
@@ -54,15 +64,62 @@ class _Scores:
     turn: Array
 
 
-def noise_covariance(parts: Sequence[RunPart], noise: Noise | None = None) -> Array:
+def noise_covariance(parts: Sequence[RunPart], noise: Noise | None = None, tight: Array | None = None) -> Array:
     """Covariance (p, p) of the scaled parameters at the least squares solution, by the noise that the parts show.
 
     Parameters
     ----------
     noise : that of the base and the truth, where it is known from elsewhere.
+    tight : (k,) weights of the squares of what wheels count beyond any motion, which is white from block to block, and
+        not alone among the wheels: each slip shows in the strain of all.
 
     Source: the usual sandwich `H^-1 S H^-1` (White 1980), with S of the noise above.
     """
+    H, S = _normal(parts, noise)
+    if tight is not None and len(tight):
+        own = _strains(parts)
+        for part in parts:
+            J = part.strain_slope * tight[:, None]
+            H += np.einsum("bkp,bkq->pq", part.strain_slope, J)
+            S += np.einsum("bkp,kl,blq->pq", J, own, J, optimize=True)
+    inverse = np.linalg.pinv(H, rcond=UNSEEN**2, hermitian=True)
+    return np.asarray(inverse @ S @ inverse)
+
+
+def tightness(parts: Sequence[RunPart]) -> Array:
+    """Weights (k,) of the squares of what wheels count beyond any motion, beside the paths: as sure as they show to be.
+
+    A unit of weight stands for the variance that paths have in it, the mean of the eigenvalues of `H^-1 S`.
+    """
+    k = parts[0].strain.shape[1]
+    if k == 0:
+        return np.empty(0)
+    H, S = _normal(parts, None)
+    told = np.linalg.eigvalsh(H)
+    unit = float(np.trace(np.linalg.pinv(H, rcond=UNSEEN**2, hermitian=True) @ S))
+    unit /= max(int(np.count_nonzero(told > UNSEEN**2 * told[-1])), 1)
+    unit = max(unit, (FINEST * float(np.mean([_way(part) for part in parts]))) ** 2)
+    effect = np.max([np.abs(part.strain_slope).max(axis=(0, 2)) for part in parts], axis=0)
+    told_by = effect > LEAST * max(float(part.travel.max()) for part in parts)
+    return np.where(told_by, unit / np.maximum(np.diagonal(_strains(parts)), 1e-300), 0.0)
+
+
+def _way(part: RunPart) -> float:
+    """Way of a run, m, turns counted by the lever of its weights."""
+    steps, lever = np.diff(part.path, axis=0), float(np.sqrt(part.weight[0, 2] / part.weight[0, 0]))
+    return float(np.hypot(steps[:, 0], steps[:, 1]).sum() + lever * np.abs(steps[:, 2]).sum())
+
+
+def _strains(parts: Sequence[RunPart]) -> Array:
+    """Covariance (k, k), rad^2, of what wheels count beyond any motion, in a block."""
+    count, (k, p) = sum(len(part.strain) for part in parts), parts[0].strain_slope.shape[1:]
+    seen = np.sum([part.strain.T @ part.strain for part in parts], axis=0) / (count - min(p / k, 0.5 * count))
+    way = sum(float(part.travel.sum()) for part in parts) / count
+    return np.asarray(seen + (FINEST * way) ** 2 * np.eye(k))
+
+
+def _normal(parts: Sequence[RunPart], noise: Noise | None) -> tuple[Array, Array]:
+    """`J^T W J` (p, p) of the paths, and the covariance of `J^T W e`."""
     q = noise_of(parts) if noise is None else noise
     p = parts[0].slope.shape[2]
     H, S = np.zeros((p, p)), np.zeros((p, p))
@@ -77,8 +134,7 @@ def noise_covariance(parts: Sequence[RunPart], noise: Noise | None = None) -> Ar
         H += part.prior_slope.T @ part.prior_slope
         start = np.einsum("kcp,kc,kcs->ps", J, w, part.start_effect, optimize=True)  # of the first pose, taken for true
         S += (start * white) @ start.T
-    inverse = np.linalg.pinv(H, rcond=UNSEEN**2, hermitian=True)
-    return np.asarray(inverse @ S @ inverse)
+    return H, S
 
 
 class Noise(NamedTuple):
@@ -157,13 +213,16 @@ def _moved(poses: Array, at: NDArray[np.intp], lag: int) -> Array:
     return np.stack([c * x + s * y, c * y - s * x, turn], axis=1)
 
 
-def check_excitation(J: Array, drive: DriveParameters, covariance: Array | None = None) -> Array:
+def check_excitation(
+    J: Array, drive: Parameters, covariance: Array | None = None, suggest: Callable[[Array], str] = lambda v: ""
+) -> Array:
     """Singular values (p,) of the weighted, scaled Jacobian, largest first; refuse a motion that leaves any open.
 
     Parameters
     ----------
     J : (n, p) Jacobian of the weighted errors by the scaled parameters.
     covariance : (p, p) of the scaled parameters; without it only combinations without any effect are refused.
+    suggest : what else to say of the worst combination (p,).
 
     Raises
     ------
@@ -180,7 +239,7 @@ def check_excitation(J: Array, drive: DriveParameters, covariance: Array | None 
         return np.asarray(s)
     share = np.abs(Vt[lost]).max(axis=0)
     named = [name for name, part in zip(drive.names, share, strict=True) if part > NAMED * share.max()]
-    raise CalibrationError(_open(named, drive.set))
+    raise CalibrationError(_open(named, drive.set) + suggest(Vt[lost][-1]))
 
 
 def _open(named: Sequence[str], set_name: str) -> str:

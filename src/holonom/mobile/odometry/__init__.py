@@ -11,6 +11,7 @@
 `flag`, `find_gaps`            samples with gaps, slip or motion that cannot be, as `Flags`
 `optical_increments`           increments from optical sensors (`OpticalSensor`) that look at the floor
 `calibrate_optical`            scale, angle and place of such a sensor
+`calibrate_gyro`               scale and zero of a gyro, as a `GyroCalibration`
 =============================  ====================================================================
 
 Wheel turns become increments by the base's own forward model: `base.twist(turns, steering)` is linear, and takes angles
@@ -24,16 +25,19 @@ from holonom.mobile.odometry.covariance import (
     steering_jacobians,
 )
 from holonom.mobile.odometry.flags import Flags, find_gaps, flag
+from holonom.mobile.odometry.gyro import GyroCalibration, calibrate_gyro
 from holonom.mobile.odometry.integrate import RULES, angle_per_tick, count_differences, integrate, metres_per_tick
 from holonom.mobile.odometry.optical import OpticalIncrements, OpticalSensor, calibrate_optical, optical_increments
 
 __all__ = [
     "RULES",
     "Flags",
+    "GyroCalibration",
     "OpticalIncrements",
     "OpticalSensor",
     "UncertainPath",
     "angle_per_tick",
+    "calibrate_gyro",
     "calibrate_optical",
     "count_differences",
     "find_gaps",

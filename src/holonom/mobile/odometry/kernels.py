@@ -140,35 +140,26 @@ def _congruence(A: Array, S: Array, half: Array, out: Array) -> None:
 
 @loop(error_model="numpy")
 def sensitivities_into(
-    features: Array, M: Array, start: Array, share: float, exact: bool, poses: Array, out: Array
+    increments: Array, slopes: Array, start: Array, share: float, exact: bool, poses: Array, out: Array
 ) -> None:
-    """Poses (N, 3) of increments `M features[k]`, and their derivatives `out` (N, 3, 3 m) by `M` (3, m), row by row."""
-    n, m = features.shape
+    """Poses (N, 3) of increments (N, 3), and their derivatives `out` (N, 3, p) from those of the increments."""
+    n, p = slopes.shape[0], slopes.shape[2]
     x, y, theta = start
-    D = np.zeros((2, 3 * m))  # derivatives of x and y
-    turned = np.zeros(m)  # of theta, by the last row of M
+    D = np.zeros((2, p))  # derivatives of x and y
+    turned = np.zeros(p)  # of theta
     for k in range(n):
-        dx = dy = turn = 0.0
-        for j in range(m):
-            dx += M[0, j] * features[k, j]
-            dy += M[1, j] * features[k, j]
-            turn += M[2, j] * features[k, j]
+        dx, dy, turn = increments[k]
         scale, slope = _chord(turn) if exact else (1.0, 0.0)
         angle = theta + share * turn
         c, s = np.cos(angle), np.sin(angle)
         px, py = c * dx - s * dy, s * dx + c * dy
-        for j in range(m):
-            f = features[k, j]
-            by_angle = turned[j] + share * f
-            D[0, j] += scale * c * f
-            D[1, j] += scale * s * f
-            D[0, m + j] -= scale * s * f
-            D[1, m + j] += scale * c * f
-            D[0, 2 * m + j] += -scale * py * by_angle + slope * px * f
-            D[1, 2 * m + j] += scale * px * by_angle + slope * py * f
-            turned[j] += f
-            out[k, 2, j] = out[k, 2, m + j] = 0.0
-            out[k, 2, 2 * m + j] = turned[j]
+        for j in range(p):
+            by_x, by_y, by_turn = slopes[k, 0, j], slopes[k, 1, j], slopes[k, 2, j]
+            by_angle = turned[j] + share * by_turn
+            D[0, j] += scale * (c * by_x - s * by_y - py * by_angle) + slope * px * by_turn
+            D[1, j] += scale * (s * by_x + c * by_y + px * by_angle) + slope * py * by_turn
+            turned[j] += by_turn
+            out[k, 2, j] = turned[j]
         x += scale * px
         y += scale * py
         theta += turn
