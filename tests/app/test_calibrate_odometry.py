@@ -175,7 +175,7 @@ def test_umbmark_is_for_differential_drives(data_folder: Path) -> None:
 
 def test_held_out_errors_are_told(data_folder: Path) -> None:
     folder = data_folder / "odometry" / "optiodom" / "diff" / "square" / "230620202042"
-    answer = calibrate_odometry([folder], held_out=True)
+    answer = calibrate_odometry([folder], held_out=True, parameters="extended")
     held, before = answer.data["errors_held_out"], answer.data["errors_before"]
     assert held["max_distance_m"] < 0.5 * before["max_distance_m"]
     assert "held out" in answer.text

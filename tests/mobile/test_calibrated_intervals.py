@@ -7,9 +7,9 @@ import pytest
 from base_runs import BASES, log_of
 
 from holonom.mobile.calibration import calibrate, derived_parameters
-from holonom.mobile.calibration.pieces import prepared
-from holonom.mobile.calibration.residuals import Problem, path_lever
-from holonom.mobile.calibration.uncertainty import noise_covariance
+from holonom.mobile.calibration.fitting.pieces import prepared
+from holonom.mobile.calibration.fitting.residuals import Problem, path_lever
+from holonom.mobile.calibration.fitting.uncertainty import noise_covariance
 
 NOISE = {"slip": 0.002, "place": 0.0005, "heading": 0.001, "ticks": 4096}
 

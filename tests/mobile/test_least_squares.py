@@ -25,8 +25,8 @@ from holonom.mobile.calibration import (
     held_out_errors,
     path_errors,
 )
-from holonom.mobile.calibration.limits import SACRIFICE, classical, largest_errors, within
-from holonom.mobile.calibration.residuals import Problem, path_lever, solve
+from holonom.mobile.calibration.fitting.limits import SACRIFICE, classical, largest_errors, within
+from holonom.mobile.calibration.fitting.residuals import Problem, path_lever, solve
 
 both = [(drive, name) for drive in DRIVES for name in SETS]
 seeds = st.integers(0, 2**32 - 1)

@@ -48,6 +48,7 @@ ASTRAY = 0.05  # share of its way by which a calibrated run may miss the truth w
 TOPICS = ("/odom_nominal", "/odom_calibrated")
 SURE = 0.005  # share of a physical parameter that the extended set may leave open at any cost
 DEAR = 1.5  # times less sure that the extended set may make the physical parameters, unless it is asked for
+EXACT = 1e-6  # m, mean error at the ends of runs that needs no better
 DRAWN = 12  # runs in the picture, the first ones
 
 
@@ -60,6 +61,7 @@ def calibrate_odometry(
     form: str | None = None,
     rule: str = "midpoint",
     held_out: bool = False,
+    data_sheet: bool = True,
     limits: Sequence[float] | None = None,
     classical_limits: bool = False,
     allow_gaps: bool = False,
@@ -73,10 +75,12 @@ def calibrate_odometry(
     paths : as `odometry_log.read_log` takes them.
     drive : a key of `DRIVES`, or an arrangement of wheels; that of the logs unless given.
     method : one of `METHODS`.
-    parameters : for least squares, one of `SETS`; unless given the extended set where the motion tells it.
+    parameters : for least squares, one of `SETS`; unless given the extended set where the motion tells it and the ends
+        of the runs are better for it.
     form : of UMBmark: "x", "y" or "mean"; "x" unless given.
     rule : of integration, a key of `odometry.RULES`.
     held_out : for least squares, also the errors of each run by a calibration from the others.
+    data_sheet : for least squares, nominal lengths count as measured too; as `calibrate` takes it.
     limits : for least squares, largest errors allowed: m and degrees on the way, m and degrees at the end.
     classical_limits : instead, those of a classical calibration by the ends of the runs, for the extended set.
     allow_gaps : let gaps in the logs pass with a note.
@@ -93,7 +97,9 @@ def calibrate_odometry(
             raise UnknownName(kind, name, known)
     if drive is not None and drive not in DRIVES and drive not in ARRANGEMENTS:
         raise UnknownName("drive that can be calibrated", drive, [*DRIVES, *ARRANGEMENTS])
-    _check_options(method, parameters, form, limits, held_out=held_out, classical=classical_limits)
+    _check_options(
+        method, parameters, form, limits, held_out=held_out, classical=classical_limits, data_sheet=data_sheet
+    )
     if mcap and output is None:
         raise CalibrationError("--mcap came without -o; name the folder that the recordings go to")
     log = read_log(paths, drive=drive, allow_gaps=allow_gaps)
@@ -101,10 +107,14 @@ def calibrate_odometry(
         found = (
             _umbmark(log, form or "x", rule)
             if method == "umbmark"
-            else _least_squares(log, parameters, rule, "classical" if classical_limits else limits)
+            else _least_squares(
+                log, parameters, rule, "classical" if classical_limits else limits, data_sheet=data_sheet
+            )
         )
         if held_out:
-            errors = held_out_errors(log.runs, *_asked(log), set_name=found.data["set"], rule=rule)
+            errors = held_out_errors(
+                log.runs, *_asked(log), set_name=found.data["set"], rule=rule, data_sheet=data_sheet
+            )
             found.data["errors_held_out"] = _errors(errors)
     except CalibrationError as error:
         raise CalibrationError("\n".join([str(error), *(f"note: {note}" for note in log.notes)])) from None
@@ -125,14 +135,14 @@ def calibrate_odometry(
 
 def _check_options(
     method: str, parameters: str | None, form: str | None, limits: Sequence[float] | None, *, held_out: bool,
-    classical: bool,
+    classical: bool, data_sheet: bool,
 ) -> None:  # fmt: skip
     """Refuse options that the method knows nothing of, and limits of two kinds."""
     if classical and limits is not None:
         raise CalibrationError("--limits and --classical-limits came; it is one of the two")
     if method == "umbmark":
         options = {"--parameters": parameters is not None, "--limits": limits is not None, "--held-out": held_out}
-        options["--classical-limits"] = classical
+        options |= {"--classical-limits": classical, "--runs-alone": not data_sheet}
         named = [name for name, given in options.items() if given]
         if named:
             raise CalibrationError(f"{' and '.join(named)} came with umbmark; leave it out, or use least-squares")
@@ -203,9 +213,14 @@ def _umbmark(log: OdometryLog, form: str, rule: str) -> _Found:
 
 
 def _least_squares(
-    log: OdometryLog, parameters: str | None, rule: str, limits: Sequence[float] | Literal["classical"] | None
+    log: OdometryLog,
+    parameters: str | None,
+    rule: str,
+    limits: Sequence[float] | Literal["classical"] | None,
+    *,
+    data_sheet: bool,
 ) -> _Found:
-    plain, refused = _attempt(log, "physical", rule)
+    plain, refused = _attempt(log, "physical", rule, data_sheet=data_sheet)
     told = refused
     if parameters == "physical" and plain is None:
         raise CalibrationError(refused)
@@ -217,14 +232,13 @@ def _least_squares(
         wanted = [limits[0], math.radians(limits[1]), limits[2], math.radians(limits[3])]
     notes: tuple[str, ...] = ()
     if parameters != "physical":
-        chosen, refused = _attempt(log, "extended", rule, wanted)
+        chosen, refused = _attempt(log, "extended", rule, wanted, data_sheet=data_sheet)
         if chosen is None and (parameters == "extended" or plain is None):
             raise CalibrationError(refused if parameters == "extended" else told)
         if chosen is None:
             chosen, notes = plain, (f"physical parameters only; of the extended set {refused}",)
-        elif chosen is not None and parameters is None and wanted is None and (cost := _cost(plain, chosen)) > DEAR:
-            chosen = plain
-            notes = (f"physical parameters only; the extended set makes them {cost:.1f} times less sure",)
+        elif parameters is None and wanted is None and plain is not None and (why := _idle(plain, chosen)):
+            chosen, notes = plain, (f"physical parameters only; the extended set {why}",)
     if chosen is plain and wanted is not None:
         chosen = calibrate(log.runs, *_asked(log), set_name="physical", rule=rule, limits=wanted)
     assert chosen is not None
@@ -232,7 +246,7 @@ def _least_squares(
     data = {"set": chosen.set, **_values(chosen), **matrix, **_ratios(chosen)}
     data["identifiability"] = _told(log, chosen.set, rule)
     data |= {"condition": chosen.condition, "lever_m": chosen.lever, "errors_before": _errors(chosen.before)}
-    data |= {"limits": _limits(chosen), "growth": chosen.growth}
+    data |= {"limits": _limits(chosen), "growth": chosen.growth, "doubt": _number(chosen.doubt)}
     data["clocks_s"] = [_number(float(clock)) for clock in chosen.clocks]
     data |= {"correlation": chosen.correlation.tolist(), "errors_after": _errors(chosen.after)}
     if plain is not None:
@@ -258,10 +272,21 @@ def _told(log: OdometryLog, set_name: str, rule: str) -> dict[str, Any]:
     }
 
 
-def _cost(plain: Calibration | None, wide: Calibration) -> float:
+def _idle(plain: Calibration, wide: Calibration) -> str:
+    """Why the extended set is not worth its parameters; empty where it is."""
+    cost = _cost(plain, wide)
+    if cost > DEAR:
+        return f"makes them {cost:.1f} times less sure"
+    without, with_ = (float(one.after.final_distances.mean()) for one in (plain, wide))
+    if with_ > max(without, EXACT):
+        return f"leaves {1e3 * with_:.3g} mm at the ends of the runs, where they leave {1e3 * without:.3g} mm"
+    return ""
+
+
+def _cost(plain: Calibration, wide: Calibration) -> float:
     """How many times less sure the extended set makes the physical parameters, in the mean; 0 where they are sure."""
-    shared = [name for name in wide.names if plain is not None and name in plain.names]
-    if plain is None or not shared:
+    shared = [name for name in wide.names if name in plain.names]
+    if not shared:
         return 0.0
     at = [wide.names.index(name) for name in shared], [plain.names.index(name) for name in shared]
     open_ = wide.deviations[at[0]] / np.maximum(np.abs(wide.values[at[0]]), 1e-12)
@@ -272,11 +297,16 @@ def _cost(plain: Calibration | None, wide: Calibration) -> float:
 
 
 def _attempt(
-    log: OdometryLog, set_name: str, rule: str, limits: Sequence[float] | Literal["classical"] | None = None
+    log: OdometryLog,
+    set_name: str,
+    rule: str,
+    limits: Sequence[float] | Literal["classical"] | None = None,
+    *,
+    data_sheet: bool,
 ) -> tuple[Calibration | None, str]:
     """A calibration, or the reason why the motion does not tell it."""
     try:
-        return calibrate(log.runs, *_asked(log), set_name=set_name, rule=rule, limits=limits), ""
+        return calibrate(log.runs, *_asked(log), set_name=set_name, rule=rule, limits=limits, data_sheet=data_sheet), ""
     except CalibrationError as error:
         return None, str(error)
 

@@ -22,11 +22,12 @@ class Options:
     drive: str | None = option(None, "that of the logs unless given: a drive, or an arrangement", metavar="NAME")
     method: str = option("least-squares", "how", choices="holonom.app.calibrate.odometry:METHODS")
     parameters: str | None = option(
-        None, "of least squares; extended where the motion tells them", choices="holonom.mobile.calibration:SETS"
+        None, "of least squares; extended where the runs are better for it", choices="holonom.mobile.calibration:SETS"
     )
     form: str | None = option(None, "of UMBmark, x unless given", choices="holonom.mobile.calibration.umbmark:FORMS")
     rule: str = option("midpoint", "of integration", choices="holonom.mobile.odometry:RULES")
     held_out: bool = option(False, "also errors of each run by the others' calibration")
+    runs_alone: bool = option(False, "nominal lengths do not count as measured beside the runs")
     limits: tuple[float, float, float, float] | None = option(
         None, "largest errors allowed, inf for none", metavar=_LIMITS, most=float("inf")
     )
@@ -48,6 +49,7 @@ def run(options: Options) -> Answer:
         form=options.form,
         rule=options.rule,
         held_out=options.held_out,
+        data_sheet=not options.runs_alone,
         limits=options.limits,
         classical_limits=options.classical_limits,
         allow_gaps=options.allow_gaps,

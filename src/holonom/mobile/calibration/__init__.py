@@ -30,8 +30,8 @@ from holonom.mobile.calibration.derived import (
     with_encoders,
 )
 from holonom.mobile.calibration.error_growth import CAUSES, ErrorGrowth, error_growth
+from holonom.mobile.calibration.fitting.least_squares import Calibration, calibrate, held_out_errors
 from holonom.mobile.calibration.identifiability import Combination, Identifiability, identifiability
-from holonom.mobile.calibration.least_squares import Calibration, calibrate, held_out_errors
 from holonom.mobile.calibration.nonsystematic import EndScatter, end_scatter
 from holonom.mobile.calibration.parameters import (
     DRIVES,

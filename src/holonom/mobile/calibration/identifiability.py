@@ -10,11 +10,11 @@ import numpy as np
 from holonom.arrays import Array
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.calibration.derived import DerivedParameters, known_parameters
+from holonom.mobile.calibration.fitting.residuals import Problem, path_lever
+from holonom.mobile.calibration.fitting.uncertainty import NAMED, UNSEEN, noise_covariance, tightness
 from holonom.mobile.calibration.parameters import Parameters
-from holonom.mobile.calibration.residuals import Problem, path_lever
 from holonom.mobile.calibration.runs import Run, need_truth
 from holonom.mobile.calibration.standard_runs import STANDARD_RUNS, base_of_drive, standard_run
-from holonom.mobile.calibration.uncertainty import NAMED, UNSEEN, noise_covariance, tightness
 
 __all__ = ["Combination", "Identifiability", "helpful_run", "identifiability"]
 

@@ -20,8 +20,8 @@ from scipy.optimize import nnls
 
 from holonom.arrays import Array
 from holonom.errors import CalibrationError
+from holonom.mobile.calibration.fitting.residuals import SURE, RunPart
 from holonom.mobile.calibration.parameters import Parameters
-from holonom.mobile.calibration.residuals import SURE, RunPart
 
 __all__ = ["Noise", "check_excitation", "noise_covariance", "noise_of", "sureness", "tightness"]
 

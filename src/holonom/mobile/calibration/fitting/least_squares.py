@@ -13,14 +13,15 @@ from holonom.errors import CalibrationError, OutOfLimits
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.calibration.clocks import truth_frame
 from holonom.mobile.calibration.derived import known_parameters
+from holonom.mobile.calibration.fitting.data_sheet import informed
+from holonom.mobile.calibration.fitting.limits import attainable, classical, largest_errors, within
+from holonom.mobile.calibration.fitting.pieces import prepared, surest
+from holonom.mobile.calibration.fitting.residuals import Problem, path_lever, solve
+from holonom.mobile.calibration.fitting.uncertainty import check_excitation, noise_covariance, tightness
 from holonom.mobile.calibration.identifiability import helpful_run
-from holonom.mobile.calibration.limits import attainable, classical, largest_errors, within
 from holonom.mobile.calibration.parameters import Parameters, article, turned_frame, wheels_of
-from holonom.mobile.calibration.pieces import prepared, surest
-from holonom.mobile.calibration.residuals import Problem, path_lever, solve
 from holonom.mobile.calibration.runs import Motion, PathErrors, Run, dead_reckoning, need_truth, path_errors
 from holonom.mobile.calibration.standard_runs import STANDARD_RUNS, base_of_drive
-from holonom.mobile.calibration.uncertainty import check_excitation, noise_covariance, tightness
 
 __all__ = ["Calibration", "calibrate", "held_out_errors"]
 
@@ -44,6 +45,8 @@ class Calibration:
     limits : (4,) that the largest errors keep, distance and heading on the way and at the end, m and rad; infinite
         where free.
     growth : of the root mean square of the errors over that of least squares without limits, as a share.
+    doubt : how many times wider than usual the tolerances of the data sheet came out (`fitting.data_sheet`); NaN where
+        it was not asked.
     """
 
     drive: str
@@ -61,6 +64,7 @@ class Calibration:
     clocks: Array
     limits: Array
     growth: float
+    doubt: float
 
     @property
     def matrix(self) -> Array:
@@ -97,14 +101,16 @@ def calibrate(
     lever: float | None = None,
     final_weight: float = 1.0,
     limits: Sequence[float] | Literal["classical"] | None = None,
+    data_sheet: bool = True,
 ) -> Calibration:
     """Calibrate a drive so that its odometry follows the truth.
 
     Minimises, over pieces of all runs, the mean square error of the pose along the piece plus `final_weight` squared
     times the square error at its end; headings count by `lever`. The derivatives go through the integration. Where each
     piece starts, and by how much the truth's clock is late there, is found with it; how long pieces are follows from
-    how the base slips and how noisy the truth is. With `limits` of the largest errors, the pieces are whole runs, and
-    where that breaks them, the smallest such sum that keeps them: no better estimate, but one within limits.
+    how the base slips and how noisy the truth is. Nominal lengths count as measurements beside the runs, unless told
+    otherwise (`fitting.data_sheet`). With `limits` of the largest errors, the pieces are whole runs, and where that
+    breaks them, the smallest such sum that keeps them: no better estimate, but one within limits, by the runs alone.
 
     Parameters
     ----------
@@ -118,6 +124,8 @@ def calibrate(
     limits : (4,) largest distance and heading on the way, and at the end, m and rad; "classical": for the extended set
         those of a classical calibration, physical parameters from the ends of the runs. None unless given. Below a
         millionth of the lever, and of a radian, they count as that.
+    data_sheet : nominal lengths are known as well as data sheets usually are, or as badly as the runs show; False: only
+        what the runs tell.
 
     Raises
     ------
@@ -147,6 +155,10 @@ def calibrate(
     covariance = noise_covariance(problem.parts(x), None, problem.tightness)
     values = check_excitation(problem.residuals(x)[1], parameters, _relative(problem, x, covariance), suggest)
     _check_reach(x, parameters)
+    doubt = float("nan")
+    if data_sheet and limits is None:
+        found = informed(parameters, x, covariance)
+        x, covariance, doubt = found.x, found.covariance, found.doubt
     x, bounds, growth = _limited(problem, x, known_parameters(drive, nominal), limits)
     scale, sigma = parameters.scale, np.sqrt(np.maximum(np.diagonal(covariance), 0.0))
     motion = parameters.motion(problem.values(x))
@@ -154,13 +166,13 @@ def calibrate(
         parameters.drive, set_name, parameters.names, parameters.nominal, problem.values(x),
         scale * sigma, covariance * np.outer(scale, scale), values, motion, problem.lever,
         _errors(runs, parameters.motion(parameters.nominal), rule), _errors(runs, motion, rule),
-        np.array([part.clock for part in whole.parts(x)]), bounds, growth,
+        np.array([part.clock for part in whole.parts(x)]), bounds, growth, doubt,
     )  # fmt: skip
 
 
 def held_out_errors(
     runs: Sequence[Run], drive: str | WheelBase, nominal: Mapping[str, float] | None = None, *,
-    set_name: str = "physical", rule: str = "midpoint",
+    set_name: str = "physical", rule: str = "midpoint", data_sheet: bool = True,
 ) -> PathErrors:  # fmt: skip
     """Errors of each run by a calibration from all the others: what a calibration is worth on a run it has not seen.
 
@@ -177,7 +189,7 @@ def held_out_errors(
     paths = []
     for k, run in enumerate(runs):
         others = [*runs[:k], *runs[k + 1 :]]
-        found = calibrate(others, drive, nominal, set_name=set_name, rule=rule)
+        found = calibrate(others, drive, nominal, set_name=set_name, rule=rule, data_sheet=data_sheet)
         paths.append(dead_reckoning(run, found.motion, rule))
     return path_errors(runs, paths)
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from holonom.arrays import Array
-from holonom.mobile.calibration.residuals import Problem, RunPart, solve
+from holonom.mobile.calibration.fitting.residuals import Problem, RunPart, solve
 
 __all__ = ["attainable", "classical", "largest_errors", "within"]
 

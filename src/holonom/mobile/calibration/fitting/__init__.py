@@ -1,0 +1,1 @@
+"""Least squares over whole paths: residuals, pieces, deviations, limits of errors, what the data sheet adds."""
