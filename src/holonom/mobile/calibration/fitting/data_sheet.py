@@ -8,14 +8,12 @@ holds what they do not tell; where they contradict it by much, it counts for not
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from holonom.arrays import Array
 from holonom.mobile.calibration.parameters import Parameters
 
-__all__ = ["BATCH", "EACH", "FOREIGN", "LENGTH", "Informed", "informed"]
+__all__ = ["BATCH", "EACH", "FOREIGN", "LENGTH", "informed"]
 
 BATCH, EACH = 2e-3, 1e-3
 """Standard deviation of diameters, as a share: of all wheels together (load, wear), and of each by itself."""
@@ -31,24 +29,16 @@ FOREIGN = 1.5
 """Factor beyond which the data sheet is taken for that of another robot, and says nothing."""
 
 
-@dataclass(frozen=True, slots=True)
-class Informed:
-    """What runs and data sheet tell together.
+def informed(parameters: Parameters, x: Array, covariance: Array) -> tuple[Array, float]:
+    """Scaled parameters (p,) by runs and data sheet, and how many times wider than usual its tolerances came out.
 
-    Attributes
+    Parameters
     ----------
-    x : (p,) scaled parameters.
-    covariance : (p, p) of them.
-    doubt : how many times wider than usual the data sheet's tolerances came out; NaN where it says nothing.
-    """
+    x, covariance : (p,), (p, p) by the runs alone.
 
-    x: Array
-    covariance: Array
-    doubt: float
-
-
-def informed(parameters: Parameters, x: Array, covariance: Array) -> Informed:
-    """Parameters by runs, x (p,) scaled, with their covariance (p, p), and by the data sheet.
+    Returns
+    -------
+    (p,) parameters; NaN for the factor where the data sheet says nothing.
 
     Notes
     -----
@@ -56,30 +46,26 @@ def informed(parameters: Parameters, x: Array, covariance: Array) -> Informed:
     nominal numbers scatter as Student's t with two degrees of freedom), weighted by how well t explains x (Gelman et
     al., *Bayesian Data Analysis*, 5.5). Angles, effective tracks, and places of wheels and of the truth's frame are no
     numbers of a data sheet: it says nothing of them but what follows from the others.
+
+    Nobody vouches for a data sheet: deviations are to stay those of the runs alone.
     """
     Q = _tolerances(parameters)
     stated = np.diagonal(Q) > 0.0
     if not stated.any():
-        return Informed(x, covariance, float("nan"))
+        return x, float("nan")
     Q, xs = Q[np.ix_(stated, stated)], x[stated]
     C, Cs = covariance[:, stated], covariance[np.ix_(stated, stated)]
-    xt, Ct, fit = [], [], []
+    found, fit = [], []
     for t in _DOUBTS:
         S = Cs + t**2 * Q
-        K = np.linalg.solve(S, C.T).T
-        xt.append(x - K @ xs)
-        Ct.append(covariance - K @ C.T)
+        by_sheet = np.linalg.solve(S, xs)
+        found.append(x - C @ by_sheet)
         prior = -2.0 * np.log(t) - 1.0 / t**2  # of log t
-        fit.append(prior - 0.5 * (np.linalg.slogdet(S)[1] + xs @ np.linalg.solve(S, xs)))
+        fit.append(prior - 0.5 * (np.linalg.slogdet(S)[1] + xs @ by_sheet))
     w = np.exp(np.array(fit) - max(fit))
     w /= w.sum()
     doubt = float(np.exp(w @ np.log(_DOUBTS)))
-    if doubt > FOREIGN:
-        return Informed(x, covariance, doubt)
-    mean = w @ np.array(xt)
-    apart = np.array(xt) - mean
-    spread = np.einsum("t,tij->ij", w, np.array(Ct)) + np.einsum("t,ti,tj->ij", w, apart, apart)
-    return Informed(mean, spread, doubt)
+    return (w @ np.array(found) if doubt < FOREIGN else x), doubt
 
 
 def _tolerances(parameters: Parameters) -> Array:

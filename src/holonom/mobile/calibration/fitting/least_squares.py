@@ -34,8 +34,8 @@ class Calibration:
     ----------
     drive, set : what was calibrated: a drive, and "physical" or "extended" parameters.
     names : of the p parameters.
-    nominal, values, deviations : (p,) before, after, and standard deviations; m and rad.
-    covariance : (p, p) of the values.
+    nominal, values, deviations : (p,) before, after, and standard deviations by the runs alone; m and rad.
+    covariance : (p, p) of the values, by the runs alone.
     singular_values : (p,) of the weighted Jacobian by the scaled parameters, largest first.
     motion : what `dead_reckoning` takes: motion matrix (3, f), features of a sample (see `Run.features`) to increments
         of the base; of a wheel set that steers a `Motion`.
@@ -157,8 +157,7 @@ def calibrate(
     _check_reach(x, parameters)
     doubt = float("nan")
     if data_sheet and limits is None:
-        found = informed(parameters, x, covariance)
-        x, covariance, doubt = found.x, found.covariance, found.doubt
+        x, doubt = informed(parameters, x, covariance)
     x, bounds, growth = _limited(problem, x, known_parameters(drive, nominal), limits)
     scale, sigma = parameters.scale, np.sqrt(np.maximum(np.diagonal(covariance), 0.0))
     motion = parameters.motion(problem.values(x))
