@@ -6,6 +6,7 @@
 
 =================  ==============================================================
 `load_arm`         a preset arm; `arm_from_dh` one of your own
+`load_base`        a mobile base from a URDF or xacro file
 `hm.mechanics`     kinematics, dynamics, motion
 `hm.trace`         the kernel compiler
 `hm.model`         robot descriptions
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
         vision,
     )
     from holonom.mechanics import Arm, arm_from_dh, load_arm
+    from holonom.mobile.urdf import load_base
     from holonom.model import DHRow
 
 __version__ = "0.1.0"
@@ -71,6 +73,7 @@ _LAZY = {
     "DHRow": "holonom.model",
     "arm_from_dh": "holonom.mechanics",
     "load_arm": "holonom.mechanics",
+    "load_base": "holonom.mobile.urdf",
 }
 __all__ = [
     "Arm",
@@ -83,6 +86,7 @@ __all__ = [
     "geometry",
     "lang",
     "load_arm",
+    "load_base",
     "machine",
     "mechanics",
     "mobile",

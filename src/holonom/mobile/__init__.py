@@ -7,6 +7,7 @@ Wheels and bases
     `skid_steer`, `rocker6`, `segway`, `synchro`, `omni`, `mecanum`, `swerve`, `sphere`; `mobility`,
     `degrees_of_freedom`, `is_holonomic`, `conflicting_wheels`; `centre_of_twist`, `centre_of_axles`,
     `castor_rates`.
+    `load_base` reads wheels from a URDF or xacro file, `base_urdf` writes one.
 Standing and tipping over
     `support_polygon`, `static_margin`, `zero_moment_point`, `dynamic_margin`, `acceleration_limit`, `lateral_limit`,
     `turning_speed`, `wheel_loads`.

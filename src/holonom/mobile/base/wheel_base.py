@@ -61,6 +61,8 @@ class WheelBase:
         Whether its body is an inverted pendulum on its axle.
     steering_groups
         Name -> names of steered wheels that one motor turns together, by the same angle. Wheels in none steer alone.
+    notes
+        What is to be said of where these numbers come from.
 
     Attributes
     ----------
@@ -90,6 +92,7 @@ class WheelBase:
         suspension: str = "rigid",
         balances: bool = False,
         steering_groups: Mapping[str, Sequence[str]] | None = None,
+        notes: Sequence[str] = (),
     ) -> None:
         self.name, self.wheels = name, named_wheels(name, wheels)
         spread = math.sqrt(sum(w.l**2 for w in self.wheels) / len(self.wheels)) or max(w.radius for w in self.wheels)
@@ -114,6 +117,7 @@ class WheelBase:
         self._driven_rows = np.array([n in self.driven for n in self.rolling_names])
         radii = [w.radius for w in self.wheels for _ in KINDS[w.kind].speeds(w)]
         self.wheel_radii: Array = np.array(radii)[self._driven_rows]
+        self.notes = tuple(notes)
         self._equations: dict[str, BaseEquation] = {}
 
     def __repr__(self) -> str:

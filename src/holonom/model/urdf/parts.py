@@ -17,7 +17,7 @@ from holonom.model.urdf.check import Check
 from holonom.model.urdf.elements import Element, fault
 from holonom.model.urdf.limits import read_limits
 
-__all__ = ["MOMENTS", "UrdfJoint", "UrdfLink", "UrdfMimic", "read_joint", "read_link"]
+__all__ = ["MOMENTS", "UrdfJoint", "UrdfLink", "UrdfMimic", "pose_of", "read_joint", "read_link"]
 
 
 KINDS = {name: name for name in JOINT_KINDS} | {"continuous": "revolute"}
@@ -95,7 +95,7 @@ def _body(inertial: Element, check: Check) -> Body:
     xx, xy, xz, yy, yz, zz = (stated.number(name) for name in MOMENTS)
     if mass < 0:
         raise fault(inertial.need("mass", ""), f"the mass is {mass} kg; it must not be negative")
-    T = _pose(check.one(inertial, "origin"))
+    T = pose_of(check.one(inertial, "origin"))
     R = T[:3, :3]
     I = R @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ R.T
     values = [float(I[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))]
@@ -114,7 +114,7 @@ def read_joint(element: Element, check: Check) -> UrdfJoint:
         kind=kind,
         parent=element.need("parent", 'state <parent link="..."/>').word("link"),
         child=element.need("child", 'state <child link="..."/>').word("link"),
-        pose=_pose(check.one(element, "origin")),
+        pose=pose_of(check.one(element, "origin")),
         axis=_axis(element, check) if kind_of(kind).made_of else (1.0, 0.0, 0.0),
         limits=read_limits(element, stated, check) if kind_of(kind).single else JointLimits(),
         friction=_friction(element, check),
@@ -164,7 +164,7 @@ def _mimic(element: Element, kind: str, check: Check) -> UrdfMimic | None:
     return UrdfMimic(stated.word("joint"), stated.number("multiplier", 1.0), stated.number("offset", 0.0), stated)
 
 
-def _pose(origin: Element | None) -> Array:
+def pose_of(origin: Element | None) -> Array:
     """T from xyz and rpy: R = Rz(yaw) Ry(pitch) Rx(roll)."""
     T = np.eye(4)
     if origin is not None:

@@ -26,7 +26,7 @@ from holonom.model.urdf.tool import guess_tool
 from holonom.model.urdf.transmission import read_motors
 from holonom.model.urdf.tree import below_floating, by_name, in_order, root_of, sizes_of
 
-__all__ = ["arm_model_from_urdf", "read_urdf", "urdf_model", "warn_of"]
+__all__ = ["arm_model_from_urdf", "read_urdf", "urdf_document", "urdf_model", "warn_of"]
 
 XACRO = "xacro:"
 
@@ -96,11 +96,15 @@ def urdf_model(
 ) -> ArmModel:
     """Return what `read_urdf` does, and give no warnings: they are the model's notes."""
     found = Check(check)
-    if isinstance(source, str) and "<" in source:
-        robot = _parsed(source, "URDF text", found)
-    else:
-        robot = _parsed(read_bytes(source, "robot", ModelError), str(source), found)
+    robot = urdf_document(source, found)
     return arm_model_from_urdf(robot, root=root, tip=tip, check=found, check_inertia=check_inertia)
+
+
+def urdf_document(source: str | Path, check: Check) -> Element:
+    """The parsed document of a file, or of the text of one (any string with a "<")."""
+    if isinstance(source, str) and "<" in source:
+        return _parsed(source, "URDF text", check)
+    return _parsed(read_bytes(source, "robot", ModelError), str(source), check)
 
 
 def _parsed(content: str | bytes, source: str, check: Check) -> Element:
