@@ -45,8 +45,10 @@ __all__ = [
     "RobotDescription",
     "Signal",
     "Sink",
+    "Steering",
     "Topic",
     "WheelContact",
+    "WheelLoad",
 ]
 
 
@@ -157,6 +159,21 @@ class WheelContact(Record):
     force: Array
     slip: Array
     residual: Array
+
+
+@dataclass(frozen=True, slots=True)
+class WheelLoad(Record):
+    """True loads of all wheels that stand on the ground, (n,) N: driven wheels, then the others."""
+
+    load: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Steering(Record):
+    """Steered wheels, (k,) rad against their rest each: angles by their encoders, angles asked of their motors."""
+
+    angle: Array
+    asked: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -344,6 +361,18 @@ TOPICS: tuple[Topic, ...] = (
     Topic(
         "/truth/wheel_slip", WheelContact, ("slip",), _NUMBERS, _TRUTH, "m/s", "",
         "speed of each rim over the ground",
+    ),
+    Topic(
+        "/truth/wheel_load", WheelLoad, ("load",), _NUMBERS, _TRUTH, "N", "",
+        "what each wheel bears: the driven ones, then the others",
+    ),
+    Topic(
+        "/measured/steering", Steering, ("angle",), _NUMBERS, _MEASURED, "rad", "",
+        "angle of each steered wheel against its rest",
+    ),
+    Topic(
+        "/commanded/steering", Steering, ("asked",), _NUMBERS, _COMMANDED, "rad", "",
+        "angle asked of each steering motor",
     ),
     Topic(
         "/estimated/wheel_residual", WheelContact, ("residual",), _NUMBERS, _ESTIMATED, "m/s", "",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from holonom.app.cell import load_cell
@@ -50,6 +51,15 @@ def test_it_keeps_its_path(arrangement: str, tmp_path: Path, capsys: pytest.Capt
     numbers = json.loads((out / "summary.json").read_text("utf-8"))
     assert numbers["path_driven"] == pytest.approx(1.0)
     assert (out / "report.html").stat().st_size > 1000
+    tracks = read_recording(out / "recording.mcap").tracks
+    loads = tracks["/truth/wheel_load"].fields["load"][10:]
+    assert np.allclose(loads.sum(axis=1), 8.0 * 9.81, rtol=1e-3)
+    assert ("/measured/steering" in tracks) == (arrangement in STEERED)
+    if arrangement in STEERED:
+        angle, asked = tracks["/measured/steering"].fields["angle"], tracks["/commanded/steering"].fields["asked"]
+        assert np.median(np.abs(angle - asked)) < np.radians(2.0)
+        assert np.median(np.abs(tracks["/estimated/wheel_residual"].fields["residual"])) < 0.02
+        assert "Steering angle" in (out / "report.html").read_text("utf-8")
 
 
 def refused(file: Path, capsys: pytest.CaptureFixture[str]) -> str:

@@ -94,7 +94,7 @@ def test_without_webgl_the_replay_is_flat(helper, report: Path) -> None:
             "return [0, w].map(x => data(x).filter(v => v).length) })()",
         )
         assert min(inked) > 2000  # both views show something
-        assert len(page.find_elements("css selector", ".plot .uplot canvas")) == 4 + 7
+        assert len(page.find_elements("css selector", ".plot .uplot canvas")) == 4 + 10
         assert severe(page) == []
 
 

@@ -332,7 +332,7 @@ def test_browser_shows_two_robots(two: Path, tmp_path: Path) -> None:
         page.execute_script("holonom.seek(1.0)")
         assert np.allclose(ask(page, "holonom.position('agv/base_link')"), [1.0, 0.01, 0.0], atol=1e-5)
         assert page.find_element("css selector", ".program .current code").text.strip() == "SIGNAL 1"
-        assert len(page.find_elements("css selector", ".plot .uplot canvas")) == 4 + 7
+        assert len(page.find_elements("css selector", ".plot .uplot canvas")) == 4 + 10
         assert ask(page, "document.documentElement.scrollWidth <= window.innerWidth")
         assert [entry for entry in page.get_log("browser") if entry["level"] == "SEVERE"] == []
 

@@ -13,6 +13,7 @@ from holonom.control.base.uncertainty import PoseUncertainty
 from holonom.machine.base.settings import Creep
 from holonom.machine.base.uncertainty import pose_uncertainty
 from holonom.mobile import SlipStatus
+from holonom.mobile.drive.base_drive import standing_wheels
 from holonom.signals import (
     BaseCommand,
     BaseState,
@@ -28,7 +29,9 @@ from holonom.signals import (
     JointTruth,
     Signal,
     Sink,
+    Steering,
     WheelContact,
+    WheelLoad,
 )
 from holonom.sim.base.log import columns, of_wheels, truth_of
 
@@ -63,6 +66,10 @@ class BaseRecords:
         framed = framed_wheels(job.base)
         self._lanes = np.array([lane for lane, _ in framed], dtype=int)
         self._driven = np.array([wheel.driven for _, wheel in framed], dtype=bool)
+        self._steered = np.array([wheel.kind == "steered" for _, wheel in framed], dtype=bool)
+        names = [wheel.name for _, wheel in framed]
+        self._groups = [names.index(job.base.wheels[group[0]].name) for group in job.base.layout.groups]
+        self._standing = 0 if job.drives == "ideal" else len(standing_wheels(job.base))
         self._step = 2.0 * np.pi / job.drive.steering.counts_per_turn
         tree = ("map", "odom", *("base_link" for _ in self._frames)), ("odom", "base_link", *self._frames)
         self._tree = tree
@@ -96,7 +103,10 @@ class BaseRecords:
             columns(control, "ref_x", "ref_y", "ref_theta"),
             columns(control, "ref_vx", "ref_vy", "ref_w"),
         )
-        residual, still, put = measured_speed[at] @ self._residual.T, np.zeros(m), self._sink.put
+        loads = of_wheels(log.wheels, "load", self._standing)[at]
+        asked_of = of_wheels(log.wheels, "asked", int(self._lanes.max(initial=-1)) + 1)[at][:, self._lanes]
+        residual = self._unexplained(measured_speed[at], seen_steering)
+        still, put = np.zeros(m), self._sink.put
         for i, k in enumerate(at):
             t = 1e-3 * (first + k)
             self._digital(t, control[k])
@@ -111,8 +121,23 @@ class BaseRecords:
             put(BaseTruth(t, true.pose[k], true.twist[k]))
             put(Inertial(t, float(control["gyro"][k]), push[k]))
             put(WheelContact(t, true.forces[k], true.slip[k], residual[i]))
+            if self._standing:
+                put(WheelLoad(t, loads[i]))
+            if self._steered.any():
+                put(Steering(t, seen_steering[i, self._steered], asked_of[i, self._steered]))
             put(FramePoses(t, ("base_link", *self._frames), np.concatenate([T[i, None], T[i] @ wheels[i]])))
             put(FrameTree(t, *self._tree, np.concatenate([np.eye(4)[None], believed[i, None], seen_wheels[i]])))
+
+    def _unexplained(self, speeds: Array, steering: Array) -> Array:
+        """Rim speeds (N, m), m/s, that no twist explains, of wheel speeds (N, m) as the wheels are steered (N, n)."""
+        base = self._job.base
+        if not base.steered:
+            return speeds @ self._residual.T
+        rims, angles = speeds * base.wheel_radii, steering[:, self._groups]
+        driven = [name in base.driven for name in base.rolling_names]
+        rows = base.rolling_matrix(angles)[:, driven] / [1.0, 1.0, base.radius]
+        twist = np.linalg.pinv(rows, rcond=1e-6) @ rims[..., None]
+        return np.asarray(rims - (rows @ twist)[..., 0])
 
     def _rolled(self, log: LogBuffer, at: NDArray[np.int_]) -> tuple[Array, Array]:
         """How far the wheels with frames have rolled (N, n) and are steered (N, n), rad, at some milliseconds."""

@@ -40,7 +40,7 @@ def log_wheels(states: Records, rows: Records) -> None:
         row.current, row.voltage = own.current, own.voltage
         row.force, row.cross_force, row.load, row.slip = own.along, own.across, own.load, own.slip
         row.friction_limit = own.load * own.material.peak
-        row.turned = own.turned
+        row.turned, row.asked = own.turned, own.asked
 
 
 @loop(error_model="numpy")

@@ -145,6 +145,7 @@ WHEEL_SAMPLE = np.dtype(
             "slip",
             "friction_limit",
             "turned",
+            "asked",
         )
     ]
 )

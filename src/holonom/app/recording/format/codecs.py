@@ -38,10 +38,12 @@ from holonom.app.recording.format.topic_messages import Messages
 from holonom.app.recording.scope import Scope
 from holonom.app.recording.tracks import Track
 from holonom.arrays import Array
-from holonom.signals import Reading, Topic
+from holonom.signals import Reading, Steering, Topic, WheelLoad
 
 __all__ = ["CODECS", "Codec", "Encode", "groups_of", "transform_groups"]
 
+OWN_LENGTH = (Reading, Steering, WheelLoad)
+"""Records of as many numbers as they have, not one for each joint."""
 Encode = Callable[[int, Any], bytes | None]
 """Time (ns) and record to a message; None where the record says nothing of it."""
 
@@ -101,9 +103,11 @@ def _joint_track(topic: Topic, given: Messages) -> Track:
 
 def _axes(topic: Topic, scope: Scope) -> Encode:
     (field,) = topic.fields
-    if topic.record is Reading:  # as many numbers as a sensor has
+    if topic.record in OWN_LENGTH:
         layouts = lru_cache(array_layout)
-        return lambda now, record: layouts(len(record.values)).pack(now, np.asarray(record.values, dtype=np.float64))
+        return lambda now, record: layouts(len(getattr(record, field))).pack(
+            now, np.asarray(getattr(record, field), dtype=np.float64)
+        )
     layout = array_layout(len(scope.joints))
     return lambda now, record: layout.pack(now, np.asarray(getattr(record, field), dtype=np.float64))
 

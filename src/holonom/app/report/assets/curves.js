@@ -28,13 +28,14 @@ class Plot {
   options() {
     const grid = { stroke: () => ink("--line"), width: 1 };
     const axis = { stroke: () => ink("--soft"), grid, ticks: { show: false }, font: "12px system-ui, sans-serif" };
-    const number = (_, value) => (value == null ? "–" : value.toFixed(Math.abs(value) < 10 ? 2 : 1).replace(/^-(0\.0+)$/, "$1"));
+    const short = (value) => (Math.abs(value) < 10 ? (value !== 0 && Math.abs(value) < 0.1 ? `${+value.toPrecision(2)}` : value.toFixed(2)) : value.toFixed(1));
+    const number = (_, value) => (value == null ? "–" : short(value).replace(/^-(0\.0+)$/, "$1"));
     return {
       width: this.box.clientWidth, height: 230,
       scales: { x: { time: false }, y: { range: (_, low, high) => room(low, high) } },
       axes: [
         { ...axis, size: 30, space: 62, values: (_, ticks) => ticks.map((tick) => `${+tick.toFixed(3)} s`) },
-        { ...axis, size: 58 },
+        { ...axis, size: 58, values: (_, ticks) => ticks.map((tick) => `${+tick.toPrecision(6)}`) },
       ],
       cursor: { sync: { key: "run", scales: ["x", null] }, points: { size: 6 } },
       series: [
