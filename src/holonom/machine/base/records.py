@@ -68,9 +68,12 @@ CONTROL_STATE = padded(
         ("seen_vy", F),
         ("seen_w", F),
         ("gyro_bias", F),
+        ("skid_vx", F),  # of wheels that skid: by the balance of their friction
+        ("skid_vy", F),
         ("command_vx", F),
         ("command_vy", F),
         ("command_w", F),
+        ("law", np.dtype((F, (8,)))),  # memory of the path's law
         ("integral_x", F),  # of the pose error, odom, m s
         ("integral_y", F),
         ("integral_theta", F),
