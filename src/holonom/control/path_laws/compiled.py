@@ -5,9 +5,8 @@ from __future__ import annotations
 import functools
 from typing import Any, NamedTuple, Protocol
 
-import numba
 import numpy as np
-from numba import from_dtype, types
+from numba import carray, from_dtype, types  # type: ignore[attr-defined]
 from numpy.typing import NDArray
 
 from holonom.arrays import Array
@@ -55,10 +54,10 @@ def _entry(step: Any, params: Any) -> Any:
         error_model="numpy",
     )
     def entry(given, places, count, numbers):  # type: ignore[no-untyped-def]
-        io = numba.carray(numbers, 30)
+        io = carray(numbers, 30)
         command = step(
-            numba.carray(given, 1)[0],
-            numba.carray(places, (count, 9)),
+            carray(given, 1)[0],
+            carray(places, (count, 9)),
             io[9],
             io[:9],
             Planar(io[10], io[11], io[12]),

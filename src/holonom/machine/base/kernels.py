@@ -69,6 +69,9 @@ RUNNING, DONE, STOPPED = 0, 1, 2
 KEEP_BOTH, KEEP_PATH, KEEP_HEADING = 0, 1, 2
 """What is kept where the motors that are left cannot hold path and heading at once."""
 SLOW = 0.2  # m/s, below which the way that a base goes is not told from the one that it looks
+SLOW_TURN = 0.3  # rad/s, below which little is learned of how much wheels skid
+LEARNING = 4.0  # 1/s
+MOST_SKID = 0.8  # part by which wheels may turn a base more, or less, than they would without skidding
 STANDING = 500  # ms after which a base that had to stop is done
 Records = NDArray[np.void]
 
@@ -100,6 +103,8 @@ def control_step(
     wanted = wanted_acceleration(params.keeping, command, twist, ahead)
     if base.rate <= 0.0:  # the base had to stop: hold the wheels
         command = wanted = Planar(0.0, 0.0, 0.0)
+    if len(params.skid.grip):
+        command = _skidding(params.keeping, base, command)
     _drive(params, signals, command, wanted, twist, wheels, states)
     base.phase += base.rate * set_off(params.steered, task.path, base, signals)
     base.rate += params.keeping.dt * change
@@ -231,17 +236,18 @@ def _shape(params: BaseParams, base: Any, signals: WheelSignals, rows: Array, no
     now[8] = base.shaped_aw
     for j in range(6, 9):
         now[j] *= part
-    if len(params.skid.grip):
-        base.integral_theta = _turned(params.keeping, base.integral_theta, now[5], now[3], base.seen_w)
 
 
 @loop(error_model="numpy", forceinline=True)
-def _turned(params: KeepingParams, integral: float, wanted: float, speed: float, rate: float) -> float:
-    """Turning rate to ask for beyond the wanted one, so that the gyro sees that: how much wheels skid is not known."""
-    if wanted == 0.0 and speed == 0.0:
-        return 0.0
-    grown = integral + params.dt * params.heading_gain * (wanted - rate)
-    return min(max(grown, -params.max_turn_correction), params.max_turn_correction)
+def _skidding(params: KeepingParams, base: Any, command: Planar) -> Planar:
+    """The command to wheels that skid: they are to turn as much more as it takes until the gyro sees what is wanted.
+
+    What they turn more by, over the wanted rate, is learned while it turns: the effective track is not constant.
+    """
+    w = command.turn
+    learned = params.dt * LEARNING * (w - base.seen_w) * w / (w * w + SLOW_TURN * SLOW_TURN)
+    base.skid_more = min(max(base.skid_more + learned, -MOST_SKID), MOST_SKID)
+    return Planar(command.x, command.y, (1.0 + base.skid_more) * w)
 
 
 @loop(error_model="numpy", forceinline=True)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import TypeAlias
+from collections.abc import Mapping
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -12,16 +13,16 @@ from holonom.control.path_laws.compiled import LawCall, law_call
 from holonom.control.path_laws.contract import PathLaw
 from holonom.control.path_laws.kanayama import KanayamaSettings, kanayama_step
 from holonom.control.path_laws.mpc import LinearMpc
+from holonom.control.path_laws.stanley import LEAD
 from holonom.errors import ModelError
 from holonom.mobile.base.drivable import moves_sideways
 from holonom.mobile.base.wheel_base import WheelBase
 
-__all__ = ["Law", "fitted_law", "path_law_call", "usual_law"]
+__all__ = ["Law", "fitted_law", "limited_law", "path_law_call", "usual_law"]
 
 Law: TypeAlias = PathLaw | LinearMpc
 """What a method of `PATH_LAWS` makes."""
 NO_LAW = LawCall(0, np.zeros(8, np.uint8))
-LEAST_LEAD = 0.1  # m, of a leading axle before base_link
 
 
 def usual_law(keeping: KeepingSettings) -> PathLaw:
@@ -58,19 +59,32 @@ def fitted_law(law: Law | None, base: WheelBase, keeping: KeepingSettings, max_r
             )
         return None
     chosen = usual_law(keeping) if law is None else law
-    own, radius = chosen.settings, base.turning_radius
+    radius = base.turning_radius
     rolling = float(np.abs(base.rest_coupling[:, 0]).max())
-    changed: dict[str, float] = {
-        "max_speed": min(own.max_speed, max_rim / rolling),
-        "max_acceleration": min(own.max_acceleration, keeping.max_acceleration),
-        "max_turn_acceleration": min(own.max_turn_acceleration, keeping.max_turn_acceleration),
-        "max_curvature": min(own.max_curvature, 1.0 / radius if radius > 0.0 else np.inf),
+    bounds = {
+        "max_speed": max_rim / rolling,
+        "max_acceleration": keeping.max_acceleration,
+        "max_turn_acceleration": keeping.max_turn_acceleration,
+        "max_curvature": 1.0 / radius if radius > 0.0 else np.inf,
     }
-    if getattr(own, "lead", 0.0) is None:
-        changed["lead"] = max([LEAST_LEAD, *(wheel.x for wheel in base.wheels if wheel.kind == "steered")])
-    if isinstance(chosen, LinearMpc):
-        return LinearMpc(dataclasses.replace(chosen.settings, **changed))
-    return PathLaw(chosen.step, dataclasses.replace(own, **changed))
+    fitted = limited_law(chosen, bounds)
+    if getattr(fitted.settings, "lead", 0.0) is None:
+        steering = [wheel.x for wheel in base.wheels if wheel.kind == "steered" and wheel.x > 0.0]
+        lead = max(steering, default=LEAD)
+        fitted = _with(fitted, {"lead": lead})
+    return fitted
+
+
+def limited_law(law: Law, bounds: Mapping[str, float]) -> Law:
+    """Return the law with each of some limits no more than a bound."""
+    return _with(law, {name: min(getattr(law.settings, name), bound) for name, bound in bounds.items()})
+
+
+def _with(law: Law, changed: Mapping[str, float]) -> Law:
+    values: dict[str, Any] = dict(changed)
+    if isinstance(law, LinearMpc):
+        return LinearMpc(dataclasses.replace(law.settings, **values))
+    return PathLaw(law.step, dataclasses.replace(law.settings, **values))
 
 
 def path_law_call(law: Law | None, dt: float) -> LawCall:

@@ -207,17 +207,17 @@ def set_off(steered: SteeredParams | None, path: Array, base: Any, signals: Whee
     """1, or 0 where a path is about to drive on from rest and its wheels are still being steered."""
     go = 1.0
     if steered is not None:
-        k = _sample(path, base.phase)
-        after = min(k + 1, path.shape[0] - 1)
-        leaves = (
-            base.mode == PATH
-            and path.shape[0] > 0
-            and _size(steered, path[k]) <= REST
-            and _size(steered, path[after]) > REST
-        )
+        leaves = base.mode == PATH and _sets_off(steered, path, base.phase)
         if leaves and readiness(steered, _coming(steered, path, base.phase), signals) < SET_OFF:
             go = 0.0
     return go
+
+
+@loop(error_model="numpy", forceinline=True)
+def _sets_off(steered: SteeredParams, path: Array, phase: float) -> bool:
+    """Whether a path stands and drives on with its next sample."""
+    k = _sample(path, phase)
+    return k < path.shape[0] - 1 and _size(steered, path[k]) <= REST < _size(steered, path[k + 1])
 
 
 @loop(error_model="numpy")
@@ -234,7 +234,7 @@ def _coming(steered: SteeredParams, path: Array, phase: float) -> Planar:
 
 @loop(error_model="numpy", forceinline=True)
 def _sample(path: Array, phase: float) -> int:
-    return max(min(int(phase), path.shape[0] - 1), 0)
+    return min(int(phase), path.shape[0] - 1)
 
 
 @loop(error_model="numpy", forceinline=True)
