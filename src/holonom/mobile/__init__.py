@@ -6,7 +6,7 @@ Wheels and bases
     `Wheel`, `WheelBase`; arrangements by name: `differential`, `tricycle`, `bicycle`, `ackermann`, `dual_ackermann`,
     `skid_steer`, `rocker6`, `segway`, `synchro`, `omni`, `mecanum`, `swerve`, `sphere`; `mobility`,
     `degrees_of_freedom`, `is_holonomic`, `conflicting_wheels`; `centre_of_twist`, `centre_of_axles`,
-    `castor_rates`.
+    `castor_rates`; `wheel_rates` (second order).
 Standing and tipping over
     `support_polygon`, `static_margin`, `zero_moment_point`, `dynamic_margin`, `acceleration_limit`, `lateral_limit`,
     `turning_speed`, `wheel_loads`.
@@ -52,6 +52,7 @@ from holonom.mobile.base.mobility import (
     is_holonomic,
     mobility,
 )
+from holonom.mobile.base.second_order import WheelRates, wheel_rates
 from holonom.mobile.base.wheel import KINDS, Wheel
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.base_drive import BaseDrive, BaseSensors
@@ -124,6 +125,7 @@ __all__ = [
     "SpeedProfile",
     "Wheel",
     "WheelBase",
+    "WheelRates",
     "acceleration_envelope",
     "acceleration_limit",
     "ackermann",
@@ -181,5 +183,6 @@ __all__ = [
     "turning_speed",
     "wheel_forces",
     "wheel_loads",
+    "wheel_rates",
     "zero_moment_point",
 ]

@@ -35,7 +35,7 @@ BASES: Mapping[str, Callable[[], WheelBase]] = MappingProxyType({
     "ackermann": lambda: ackermann(0.4, 0.3, 0.05, max_steering=math.radians(50.0), com=(0.2, 0.0), **_BODY),
     "dual_ackermann": lambda: dual_ackermann(0.5, 0.4, 0.05, **_BODY),
     "skid_steer": lambda: skid_steer(0.2, 0.4, 0.05, effective_track=0.42, **_BODY),
-    "rocker6": lambda: rocker6(0.8, 0.6, 0.06, **_BODY),
+    "rocker6": lambda: rocker6(0.8, 0.6, 0.06, max_steering=math.radians(70.0), **_BODY),
     "segway": lambda: segway(0.4, 0.1, **_BODY),
     "synchro": lambda: synchro(radius=0.2, wheel_radius=0.05, **_BODY),
     "omni": lambda: omni(n=3, radius=0.2, wheel_radius=0.05, **_BODY),

@@ -108,6 +108,10 @@ class LinearMpc:
         self.settings = settings
         self._solver: Any = None
 
+    def __deepcopy__(self, memo: object) -> LinearMpc:
+        """A planner of the same settings, whose solver begins anew."""
+        return LinearMpc(self.settings)
+
     def plan(self, path: Array, phase: float, pose: Planar, before: Planar) -> Array:
         """Commands (H, 3), m/s, 0, rad/s, each for a period.
 
