@@ -23,9 +23,10 @@ SIZED = 2.0  # m/s and m/s^2 that the motors are sized for
 
 @dataclass(frozen=True, slots=True)
 class Driven:
-    """A run; `rms` and `peak` (m) between where the base truly was and where it was to be then, `effort` in J drawn.
+    """A run.
 
-    `failed` says why there are none, "" where there are.
+    `rms` and `peak` (m) lie between where the base truly was and where it was to be then; `effort` (J) is drawn, less
+    what braking gave back; `failed` says why there are none, "" where there are.
     """
 
     arrangement: str

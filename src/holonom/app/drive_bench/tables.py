@@ -35,7 +35,8 @@ RMS / peak, mm, between where the base truly was and where it was to be at that 
 law's does. Bases that move sideways keep their path along and across at once. A dash: the base cannot drive there.
 """
 BEST = """
-The best law of each arrangement, by the largest RMS of its courses; time, and energy drawn, on the eight.
+The best law of each arrangement, by the largest RMS of its courses; time, and energy drawn less what
+braking gave back, on the eight.
 """
 GROWTH = """
 ## Growth of errors

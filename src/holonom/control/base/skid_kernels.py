@@ -13,7 +13,6 @@ __all__ = ["SkidParams", "skid_twist"]
 
 MOST_STEP = 0.05  # m/s, of one iteration
 ITERATIONS = 3  # a millisecond; it begins where the last one ended
-LEAST_PART = 1e-3  # of the friction's greatest slope, kept where all wheels slide
 
 
 class SkidParams(NamedTuple):
@@ -45,28 +44,43 @@ def skid_twist(params: SkidParams, rims: Array, before: Planar, turn: float, ax:
     method. In curves the base drifts outwards, and its centre of rotation wanders with speed and acceleration, which
     an effective track alone does not tell (Mandow et al., IROS 2007; Martinez et al., IJRR 24, 2005).
     """
-    x0, y0 = params.com[0], params.com[1]
-    ax, ay = ax - turn * turn * x0, ay - turn * turn * y0
+    ax, ay = ax - turn * turn * params.com[0], ay - turn * turn * params.com[1]
     vx, vy, s0 = before.x, before.y, params.soft
+    cost = _dissipation(params, rims, vx, vy, turn, ax, ay)
     for _ in range(ITERATIONS):
-        fx, fy, xx, xy, yy, most = -ax, -ay, 0.0, 0.0, 0.0, 0.0
+        fx, fy, xx, xy, yy, secant = -ax, -ay, 0.0, 0.0, 0.0, 0.0
         for i in range(len(params.grip)):
-            g = params.grip[i]
             along = rims[i] - vx + turn * params.places[i, 1]
             across = -vy - turn * params.places[i, 0]
             size = math.sqrt(along * along + across * across + s0 * s0)
-            fx += g * along / size
-            fy += g * across / size
-            k = g / (size * size * size)
+            g = params.grip[i] / size
+            fx += g * along
+            fy += g * across
+            k = g / (size * size)
             xx += k * (across * across + s0 * s0)
             yy += k * (along * along + s0 * s0)
             xy -= k * along * across
-            most += g / s0
-        xx += LEAST_PART * most
-        yy += LEAST_PART * most
+            secant += g
         determinant = xx * yy - xy * xy
         dx, dy = (yy * fx - xy * fy) / determinant, (xx * fy - xy * fx) / determinant
         part = MOST_STEP / max(math.sqrt(dx * dx + dy * dy), MOST_STEP)
-        vx += part * dx
-        vy += part * dy
+        dx, dy = part * dx, part * dy
+        after = _dissipation(params, rims, vx + dx, vy + dy, turn, ax, ay)
+        if after > cost:  # Newton's step is too long where wheels slide: the secants' never is
+            dx, dy = fx / secant, fy / secant
+            part = MOST_STEP / max(math.sqrt(dx * dx + dy * dy), MOST_STEP)
+            dx, dy = part * dx, part * dy
+            after = _dissipation(params, rims, vx + dx, vy + dy, turn, ax, ay)
+        vx, vy, cost = vx + dx, vy + dy, after
     return Planar(vx, vy, turn)
+
+
+@loop(error_model="numpy")
+def _dissipation(params: SkidParams, rims: Array, vx: float, vy: float, turn: float, ax: float, ay: float) -> float:
+    """Friction's power over the mass, smoothed, and that of the acceleration: least at the twist that is looked for."""
+    total = ax * vx + ay * vy
+    for i in range(len(params.grip)):
+        along = rims[i] - vx + turn * params.places[i, 1]
+        across = -vy - turn * params.places[i, 0]
+        total += params.grip[i] * math.sqrt(along * along + across * across + params.soft * params.soft)
+    return total
