@@ -34,7 +34,7 @@ def test_friction_makes_the_acceleration(
         along, across = rims - u[0] + w * PLACES[:, 1], -u[1] - w * PLACES[:, 0]
         return float((g * np.sqrt(along**2 + across**2 + soft**2)).sum() + a @ u)
 
-    simplex = np.array([v, 0.0]) + [[0.0, 0.0], [0.1, 0.0], [0.0, 0.1]]
+    simplex = np.array([[v, 0.0], [v + 0.1, 0.0], [v, 0.1]])
     options = {"xatol": 1e-9, "fatol": 1e-13, "initial_simplex": simplex}
     best = minimize(dissipation, simplex[0], method="Nelder-Mead", options=options).x
     np.testing.assert_allclose(found[:2], best, atol=1e-4)

@@ -55,7 +55,8 @@ def wheel_rates(base: WheelBase, twist: ArrayLike, acceleration: ArrayLike) -> W
     Notes
     -----
     With c = v + w x p a contact's velocity, its rate along axes that turn is `c' = (a - w x v) + w' x p`. A wheel
-    that is steered along it turns by `delta' = (c x c')/|c|^2`; as it does not slide, turning it adds nothing to its rim:
+    that is steered along it turns by `delta' = (c x c')/|c|^2`; as it does not slide, turning it adds nothing to its
+    rim:
     `r phi'' = u . c'` (Siegwart & Nourbakhsh, Autonomous Mobile Robots, 3.2, once more differentiated; Dietrich et al.,
     ICRA 2011). Axles that several wheels share are steered as the first of them.
     """
