@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -45,7 +46,7 @@ def test_a_cell_drives_by_it(law: str, tmp_path: Path, capsys: pytest.CaptureFix
     "arrangement", ["ackermann", "tricycle", "bicycle", "dual_ackermann", "differential", "swerve"]
 )
 def test_a_path_with_cusps(arrangement: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Into a parking space beside: forwards, backwards; never 60 mm off, 20 mm RMS by `test_path_laws_driven`."""
+    """Into a parking space beside: forwards, backwards; never 30 mm off, 20 mm RMS by `test_path_laws_driven`."""
     file, poses = cell(tmp_path, arrangement), '[["0m", "0m", "0deg"], ["0m", "0.8m", "0deg"]]'
     text = file.read_text("utf-8").replace('shape = "circle"\nsize = "3m"', f'shape = "reeds_shepp"\nposes = {poses}')
     text = text.replace('speed = "0.8m/s"', 'radius = "0.8m"\nposition_tolerance = "30mm"\nspeed = "0.8m/s"')
@@ -61,3 +62,11 @@ def test_laws_that_cannot_be(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     said = refused(cell(tmp_path, "ackermann", 'law = { kind = "ltv", max_speed = "0.5m/s" }'), capsys)
     assert "max_speed of ltv is 0.5; the path asks for 0.8: drive it slower, or state max_speed" in said
     assert "gain" in refused(cell(tmp_path, "ackermann", 'law = { kind = "stanley", gain = -1.0 }'), capsys)
+
+
+def test_mpc_without_its_library(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Found before anything runs."""
+    monkeypatch.setitem(sys.modules, "osqp", None)
+    assert "OSQP" in refused(cell(tmp_path, "ackermann", 'law = "mpc"'), capsys)

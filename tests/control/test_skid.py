@@ -24,7 +24,7 @@ def test_friction_makes_the_acceleration(
     """By minimising the dissipation directly; after the iterations of 60 ms."""
     g, com = np.array(grip), np.array([0.03, -0.02])
     rims = v - w * PLACES[:, 1] * 1.3
-    params = SkidParams(PLACES, g, soft, com)
+    params = SkidParams(np.column_stack([PLACES, g]), soft, *com)
     found = Planar(0.0, 0.0, 0.0)
     for _ in range(60):
         found = skid_twist(params, rims, found, w, ax, ay)

@@ -18,10 +18,10 @@ ITERATIONS = 3  # a millisecond; it begins where the last one ended
 class SkidParams(NamedTuple):
     """Driven wheels of a skid steer, all along x; n is 0 where there are none."""
 
-    places: Array  # (n, 2) where they stand, m
-    grip: Array  # (n,) largest friction force over the base's mass, m/s^2
+    wheels: Array  # (n, 3) where they stand, m, and largest friction force over the base's mass, m/s^2
     soft: float  # m/s of slip, at which friction begins to saturate
-    com: Array  # (2,) centre of mass, m
+    com_x: float  # m
+    com_y: float
 
 
 @loop(error_model="numpy")
@@ -44,16 +44,16 @@ def skid_twist(params: SkidParams, rims: Array, before: Planar, turn: float, ax:
     method. In curves the base drifts outwards, and its centre of rotation wanders with speed and acceleration, which
     an effective track alone does not tell (Mandow et al., IROS 2007; Martinez et al., IJRR 24, 2005).
     """
-    ax, ay = ax - turn * turn * params.com[0], ay - turn * turn * params.com[1]
+    ax, ay = ax - turn * turn * params.com_x, ay - turn * turn * params.com_y
     vx, vy, s0 = before.x, before.y, params.soft
     cost = _dissipation(params, rims, vx, vy, turn, ax, ay)
     for _ in range(ITERATIONS):
         fx, fy, xx, xy, yy, secant = -ax, -ay, 0.0, 0.0, 0.0, 0.0
-        for i in range(len(params.grip)):
-            along = rims[i] - vx + turn * params.places[i, 1]
-            across = -vy - turn * params.places[i, 0]
+        for i in range(len(params.wheels)):
+            along = rims[i] - vx + turn * params.wheels[i, 1]
+            across = -vy - turn * params.wheels[i, 0]
             size = math.sqrt(along * along + across * across + s0 * s0)
-            g = params.grip[i] / size
+            g = params.wheels[i, 2] / size
             fx += g * along
             fy += g * across
             k = g / (size * size)
@@ -79,8 +79,8 @@ def skid_twist(params: SkidParams, rims: Array, before: Planar, turn: float, ax:
 def _dissipation(params: SkidParams, rims: Array, vx: float, vy: float, turn: float, ax: float, ay: float) -> float:
     """Friction's power over the mass, smoothed, and that of the acceleration: least at the twist that is looked for."""
     total = ax * vx + ay * vy
-    for i in range(len(params.grip)):
-        along = rims[i] - vx + turn * params.places[i, 1]
-        across = -vy - turn * params.places[i, 0]
-        total += params.grip[i] * math.sqrt(along * along + across * across + params.soft * params.soft)
+    for i in range(len(params.wheels)):
+        along = rims[i] - vx + turn * params.wheels[i, 1]
+        across = -vy - turn * params.wheels[i, 0]
+        total += params.wheels[i, 2] * math.sqrt(along * along + across * across + params.soft * params.soft)
     return total

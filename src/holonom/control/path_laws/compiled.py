@@ -16,7 +16,7 @@ from holonom.trace.call.pointer import call_step
 from holonom.trace.call.records import layout_of, record_table
 from holonom.trace.code.loops import callback, loop
 
-__all__ = ["NUMBERS", "LawCall", "law_call", "law_step"]
+__all__ = ["MEMORY", "NUMBERS", "LawCall", "law_call", "law_step"]
 
 NOW, PHASE, POSE, TWIST, BEFORE, COMMAND, MEMORY, NUMBERS = 0, 9, 10, 13, 16, 19, 22, 30
 """Where things are in the numbers (30,) that go in and out of a call."""
@@ -72,16 +72,13 @@ def _entry(step: Any, params: Any) -> Any:
 
 @loop(error_model="numpy")
 def law_step(
-    law: LawCall, path: Array, phase: float, now: Array, pose: Planar, twist: Planar, before: Planar, memory: Array,
-    numbers: Array,
-) -> Planar:  # fmt: skip
-    """Twist to command, of whichever law; arguments as `PathLaw` says, `numbers` (30,) are scratch."""
+    law: LawCall, path: Array, phase: float, now: Array, pose: Planar, twist: Planar, before: Planar, numbers: Array
+) -> Planar:
+    """Twist to command, of whichever law; arguments as `PathLaw` says, its memory are the last 8 of `numbers` (30,)."""
     numbers[:PHASE] = now
     numbers[PHASE] = phase
     numbers[POSE], numbers[POSE + 1], numbers[POSE + 2] = pose.x, pose.y, pose.turn
     numbers[TWIST], numbers[TWIST + 1], numbers[TWIST + 2] = twist.x, twist.y, twist.turn
     numbers[BEFORE], numbers[BEFORE + 1], numbers[BEFORE + 2] = before.x, before.y, before.turn
-    numbers[MEMORY:] = memory
     call_step(law.address, law.params, path, numbers)
-    memory[:] = numbers[MEMORY:]
     return Planar(numbers[COMMAND], numbers[COMMAND + 1], numbers[COMMAND + 2])

@@ -153,6 +153,10 @@ class LinearMpc:
             commands[k] = before
         return commands
 
+    def check_library(self) -> None:
+        """Raise `MissingExtra` where OSQP is not installed."""
+        _osqp()
+
     def plan_into(self, memory: Array, path: Array, phase: float, pose: Planar, before: Planar) -> None:
         """Plan the next period into the memory (8,) of `planned_step`; raises as `plan` does.
 

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, finite_array, real_array
 from holonom.control.base.kernels import Planar
-from holonom.control.path_laws.compiled import NUMBERS
+from holonom.control.path_laws.compiled import MEMORY
 from holonom.control.path_laws.mpc import LEFT, LinearMpc
 from holonom.devices.drive_signals import WheelSignals
 from holonom.errors import ShapeError
@@ -88,7 +88,7 @@ class BaseController:
             rows, estimate_rows,
             np.ones(trusted), self.params.bearing.copy(), np.zeros((len(driven), 3)), np.zeros(max(lanes, trusted)),
             np.zeros(lanes), np.zeros(lanes), np.full(3, np.nan), np.zeros(9),
-            np.zeros(len(base.wheels)), np.zeros(NUMBERS),
+            np.zeros(len(base.wheels)),
         )  # fmt: skip
         self.task = BaseTask(NO_PATH)
         self._planner: LinearMpc | None = None
@@ -173,14 +173,17 @@ class BaseController:
         RunError
             There was no plan.
         """
-        state = self.state[0]
-        if self._planner is None or state["mode"] != PATH:
+        if self._planner is None:
             return FOR_EVER
-        if state["law"][LEFT] <= 0.0:
+        state = self.state[0]
+        if state["mode"] != PATH:
+            return FOR_EVER
+        memory = state["law"][MEMORY:]
+        if memory[LEFT] <= 0.0:
             before = Planar(*(float(state[f"command_{name}"]) for name in ("vx", "vy", "w")))
             pose = Planar(*self.pose.tolist())
-            self._planner.plan_into(state["law"], self.task.path, float(state["phase"]), pose, before)
-        return int(state["law"][LEFT])
+            self._planner.plan_into(memory, self.task.path, float(state["phase"]), pose, before)
+        return int(memory[LEFT])
 
     def follow_velocity(self, twist: Sequence[float] | Array) -> None:
         """Follow a twist (3,) in base_link, m/s and rad/s, until the next one or until it is too old.

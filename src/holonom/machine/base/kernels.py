@@ -96,14 +96,14 @@ def control_step(
     change = max(min((base.goal - base.rate) / params.keeping.dt, params.rate_change), -params.rate_change)
     twist = _estimate(params.estimate, work.estimate_rows, base, work)
     _refer(params, task.path, base, change, signals, work.rows, work.now)
-    command, ahead = _keep(params, task.path, base, twist, work)
+    command, ahead = _keep(params, task.path, base, twist, work.now)
     steer_along(params.steered, params.drivable, task.path, base, command, ahead, signals, work, states)
     if base.lame != 0 and params.keep != KEEP_BOTH:
         command = _given_up(params, base, command, twist)
     wanted = wanted_acceleration(params.keeping, command, twist, ahead)
     if base.rate <= 0.0:  # the base had to stop: hold the wheels
         command = wanted = Planar(0.0, 0.0, 0.0)
-    if len(params.skid.grip):
+    if len(params.skid.wheels):
         command = _skidding(params.keeping, base, command)
     _drive(params, signals, command, wanted, twist, wheels, states)
     base.phase += base.rate * set_off(params.steered, task.path, base, signals)
@@ -150,7 +150,7 @@ def _sense(params: BaseParams, base: Any, signals: WheelSignals, wheels: Records
     for i in range(m, len(work.estimate_rows)):  # wheels that do not slide still creep outwards
         p, q = work.estimate_rows[i, 0], work.estimate_rows[i, 1]
         work.rims[i] = -params.creep_across * (p * base.imu_x + q * base.imu_y)
-    if len(params.skid.grip):
+    if len(params.skid.wheels):
         _skid(params.skid, base, work)
 
 
@@ -263,9 +263,8 @@ def _estimate(params: EstimateParams, rows: Array, base: Any, work: Work) -> Pla
 
 
 @loop(error_model="numpy", forceinline=True)
-def _keep(params: BaseParams, path: Array, base: Any, twist: Planar, work: Work) -> tuple[Planar, Planar]:
+def _keep(params: BaseParams, path: Array, base: Any, twist: Planar, reference: Array) -> tuple[Planar, Planar]:
     """Twist to command and acceleration to feed forward."""
-    reference = work.now
     pose = Planar(base.seen_x, base.seen_y, base.seen_theta)
     integral = Planar(base.integral_x, base.integral_y, base.integral_theta)
     before = Planar(base.command_vx, base.command_vy, base.command_w)
@@ -274,9 +273,9 @@ def _keep(params: BaseParams, path: Array, base: Any, twist: Planar, work: Work)
     elif base.mode == HOLD:
         command, ahead, grown = line_keeping_step(params.keeping, reference, pose, before)
     else:
-        if len(params.skid.grip):  # where it goes is not where it looks
+        if len(params.skid.wheels):  # where it goes is not where it looks
             pose = Planar(pose.x, pose.y, pose.turn + twist.y * twist.x / (twist.x * twist.x + SLOW * SLOW))
-        command = law_step(params.law, path, base.phase, reference, pose, twist, before, base.law, work.law)
+        command = law_step(params.law, path, base.phase, reference, pose, twist, before, base.law)
         ahead, grown = Planar(reference[6], reference[7], reference[8]), integral
     command = allowed(params.steered, params.drivable, command)
     base.command_vx, base.command_vy, base.command_w = command.x, command.y, command.turn

@@ -119,8 +119,8 @@ def _skid_params(base: WheelBase, creep: Creep, mass: float, loads: Array) -> Sk
     if not all(wheel.kind == "skid" for wheel in base.wheels):
         wheels = []
     grip = creep.grip * loads[: len(wheels)] / mass
-    places = np.array([(wheel.x, wheel.y) for wheel in wheels]).reshape(-1, 2)
-    return SkidParams(places, np.ascontiguousarray(grip), creep.slope * creep.grip, np.array(base.com, dtype=float))
+    rows = np.array([(wheel.x, wheel.y, g) for wheel, g in zip(wheels, grip, strict=True)], dtype=float).reshape(-1, 3)
+    return SkidParams(rows, creep.slope * creep.grip, *base.com.tolist())
 
 
 def _steered_params(base: WheelBase, drive: BaseDrive) -> SteeredParams:

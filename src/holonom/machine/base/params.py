@@ -71,4 +71,3 @@ class Work(NamedTuple):
     acceleration: Array  # (3,)
     now: Array  # (9,) reference
     steering_rates: Array  # (n,) rad/s, of the angles that are asked for
-    law: Array  # (30,) numbers in and out of the path's law

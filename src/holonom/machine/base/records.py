@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from holonom.control.kernels import SpeedParams
+from holonom.control.path_laws.compiled import NUMBERS
 from holonom.devices.kernels import ArmatureParams, EncoderParams, FrictionParams, GearParams, TrackingParams
 from holonom.mobile.drive.slip_kernels import SlipState
 from holonom.trace.call.records import layout_of, padded
@@ -74,7 +75,7 @@ CONTROL_STATE = padded(
         ("command_vx", F),
         ("command_vy", F),
         ("command_w", F),
-        ("law", np.dtype((F, (8,)))),  # memory of the path's law
+        ("law", np.dtype((F, (NUMBERS,)))),  # numbers in and out of the path's law, and its memory
         ("integral_x", F),  # of the pose error, odom, m s
         ("integral_y", F),
         ("integral_theta", F),

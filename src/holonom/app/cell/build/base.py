@@ -18,6 +18,7 @@ from holonom.app.report.findings.base_outline import margin_of
 from holonom.arrays import Array
 from holonom.control.base.path_keeping import KeepingSettings
 from holonom.control.base.shaping import ShapingSettings
+from holonom.control.path_laws.mpc import LinearMpc
 from holonom.devices import DcMotor, Encoder, Friction, Gear, SteeringMotor
 from holonom.errors import CellError, InputError, ModelError
 from holonom.machine import PATHS, BaseSettings, PathLimits, ReferencePath, plan_path
@@ -206,6 +207,8 @@ def _law(robot: Robot, base: WheelBase, planned: ReferencePath | None) -> Law | 
         A path that passes limits of the law that was chosen.
     ModelError
         A law for a base that moves sideways.
+    MissingExtra
+        A law whose library is not installed.
     """
     if robot.path is None or planned is None:
         return None
@@ -215,6 +218,8 @@ def _law(robot: Robot, base: WheelBase, planned: ReferencePath | None) -> Law | 
         return None
     law: Law = usual_law(KeepingSettings()) if chosen is None else chosen.make()
     fitted_law(law, base, KeepingSettings(), np.inf)
+    if isinstance(law, LinearMpc):
+        law.check_library()
     asked = {"speed": np.abs(planned.twist[:, 0]).max(), "turn_rate": np.abs(planned.twist[:, 2]).max()}
     for key, most in asked.items():
         allowed = getattr(law.settings, LAW_LIMITS[key])
