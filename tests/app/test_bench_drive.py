@@ -7,7 +7,11 @@ from pathlib import Path
 
 import pytest
 
+from holonom.app.about.drive_bench.bases import BASES
+from holonom.app.about.drive_bench.driven import KEEPING
 from holonom.app.console.cli import main
+from holonom.control import PATH_LAWS
+from holonom.mobile.methods import ARRANGEMENTS
 
 
 def test_one_arrangement_and_one_law(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -40,3 +44,19 @@ def test_wrong_words(words: tuple[str, ...], said: str, capsys: pytest.CaptureFi
 def test_bench_alone_stays_a_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["bench", "nothing_of_the_kind"]) == 2
     assert "no benchmark 'nothing_of_the_kind'" in capsys.readouterr().err
+
+
+@pytest.mark.oracle
+def test_everything_briefly(capsys: pytest.CaptureFixture[str]) -> None:
+    """Every law on every arrangement, once, along a straight."""
+    pytest.importorskip("osqp")
+    assert main(["bench", "drive", "--small", "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)["driven"]
+    assert {row["arrangement"] for row in rows} == set(BASES)
+    assert {row["law"] for row in rows} == {*PATH_LAWS, KEEPING}
+    assert all(row["rms"] < 0.02 for row in rows if not row["failed"])
+    assert {row["arrangement"] for row in rows if row["failed"]} <= {"segway"}
+
+
+def test_there_is_a_base_of_every_arrangement() -> None:
+    assert set(BASES) == set(ARRANGEMENTS.own)

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from simulated_bases import BASES, DRIVE
 
-from holonom.app.drive_bench.bases import BASES as ARRANGEMENTS
+from holonom.app.about.drive_bench.bases import BASES as ARRANGEMENTS
 from holonom.closed_loop import BaseLoop
 from holonom.control.base.kernels import Planar
 from holonom.control.base.shaping import ShapingSettings

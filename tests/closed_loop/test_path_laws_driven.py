@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 
-from holonom.app.drive_bench.bases import BASES
-from holonom.app.drive_bench.courses import course
+from holonom.app.about.drive_bench.bases import BASES
+from holonom.app.about.drive_bench.courses import course
 from holonom.closed_loop import BaseLoop, simulate_base
 from holonom.control import PATH_LAWS
 from holonom.errors import ModelError
@@ -73,10 +74,19 @@ def test_parking_with_cusps_at_its_speed(name: str) -> None:
     assert abs(log.heading_error[-1]) < math.radians(2.0)
 
 
+@pytest.mark.parametrize("name", [name for name in BASES if name != "segway"])
+def test_an_eight_at_a_metre_per_second(name: str) -> None:
+    """On a dry floor every arrangement keeps circle and eight within 20 mm RMS, by its own odometry and gyro."""
+    base = BASES[name]()
+    for where in ("circle", "eight"):
+        path = path_of(base, where)
+        log = simulate_base(base, sized_base_drive(base, 2.0, 2.0), path, rng=np.random.default_rng(4))
+        assert log.ended == "done"
+        assert np.sqrt((log.path_error**2).mean()) < 0.02, where
+
+
 def test_it_waits_for_slow_steering() -> None:
     """Wheels that take a second to turn: the path waits at cusps, and is kept all the same."""
-    import dataclasses
-
     base = BASES["ackermann"]()
     drive = DRIVES["ackermann"]
     slow = dataclasses.replace(drive, steering=dataclasses.replace(drive.steering, max_rate=1.2))

@@ -27,7 +27,7 @@ class Options:
 
 def run(options: Options) -> Answer:
     """Drive; raises as `bench_drive` does."""
-    from holonom.app.drive_bench.tables import bench_drive
+    from holonom.app.about.drive_bench.tables import bench_drive
 
     return bench_drive(
         options.arrangements,

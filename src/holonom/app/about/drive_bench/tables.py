@@ -8,13 +8,13 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
+from holonom.app.about.drive_bench.bases import BASES
+from holonom.app.about.drive_bench.courses import COURSES, course
+from holonom.app.about.drive_bench.driven import Driven, drive, laws_for
+from holonom.app.about.drive_bench.growth import Growth, growths
 from holonom.app.console.answer import Answer
 from holonom.app.console.output import prepare_output
 from holonom.app.console.printable import say
-from holonom.app.drive_bench.bases import BASES
-from holonom.app.drive_bench.courses import COURSES, course
-from holonom.app.drive_bench.driven import Driven, drive, laws_for
-from holonom.app.drive_bench.growth import Growth, growths
 from holonom.control import PATH_LAWS
 from holonom.errors import UnknownName
 
