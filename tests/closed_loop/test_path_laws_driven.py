@@ -15,7 +15,7 @@ from holonom.closed_loop import BaseLoop, simulate_base
 from holonom.control import PATH_LAWS
 from holonom.errors import ModelError
 from holonom.machine import BaseController, BaseSettings, Creep, ReferencePath
-from holonom.mobile import WheelBase
+from holonom.mobile import WheelBase, skid_steer
 from holonom.mobile.drive.sized import sized_base_drive
 from holonom.sim import BasePlant, Floor
 
@@ -143,3 +143,12 @@ def test_a_skid_steer_turns_as_much_as_it_is_asked_to() -> None:
     begins = math.radians(30.0) * 0.5 * 0.5  # less what coming to speed takes
     assert loop.plant.pose[2] == pytest.approx(math.radians(120.0), abs=begins)
     assert np.hypot(*(loop.plant.pose - loop.controller.pose)[:2]) < 0.02 * way
+
+
+@pytest.mark.parametrize("effective_track", [0.35, 0.6, 0.8])
+def test_what_a_skid_steer_takes_for_its_track_hardly_counts(effective_track: float) -> None:
+    base = skid_steer(0.2, 0.4, 0.05, effective_track=effective_track, mass=8.0, com_height=0.05)
+    for where in ("eight", "parking"):
+        path = path_of(base, where)
+        log = simulate_base(base, sized_base_drive(base, 2.0, 2.0), path, rng=np.random.default_rng(6))
+        assert np.sqrt((log.path_error**2).mean()) < 0.02, where

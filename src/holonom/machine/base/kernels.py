@@ -71,6 +71,7 @@ KEEP_BOTH, KEEP_PATH, KEEP_HEADING = 0, 1, 2
 SLOW = 0.2  # m/s, below which the way that a base goes is not told from the one that it looks
 SLOW_TURN = 0.3  # rad/s, below which little is learned of how much wheels skid
 LEARNING = 4.0  # 1/s
+LEANING = 0.1  # s, over which the way is averaged: it swings with the turning rate, which a law would only excite
 MOST_SKID = 0.8  # part by which wheels may turn a base more, or less, than they would without skidding
 STANDING = 500  # ms after which a base that had to stop is done
 Records = NDArray[np.void]
@@ -274,7 +275,9 @@ def _keep(params: BaseParams, path: Array, base: Any, twist: Planar, reference: 
         command, ahead, grown = line_keeping_step(params.keeping, reference, pose, before)
     else:
         if len(params.skid.wheels):  # where it goes is not where it looks
-            pose = Planar(pose.x, pose.y, pose.turn + twist.y * twist.x / (twist.x * twist.x + SLOW * SLOW))
+            lean = twist.y * twist.x / (twist.x * twist.x + SLOW * SLOW)
+            base.skid_lean += params.keeping.dt / LEANING * (lean - base.skid_lean)
+            pose = Planar(pose.x, pose.y, pose.turn + base.skid_lean)
         command = law_step(params.law, path, base.phase, reference, pose, twist, before, base.law)
         ahead, grown = Planar(reference[6], reference[7], reference[8]), integral
     command = allowed(params.steered, params.drivable, command)

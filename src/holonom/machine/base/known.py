@@ -39,6 +39,7 @@ RATE_CHANGE = 1.0  # 1/s, how fast a path is slowed down
 COULOMB_SMOOTHING = 2.0  # rad/s of the motor, below which friction that is fed forward goes over into its opposite
 FIRST = {"both": (1.0, 1.0, 1.0), "path": (1.0, 1.0, 0.03), "heading": (0.03, 0.03, 1.0)}
 """Weights of force and torque / R, where lost motors cannot make both."""
+SHARP = 0.6  # of the slip at which friction saturates: a skidding wheel slips far beyond where it is linear
 LEAST_LOAD = 1e-3  # part of the weight below which a wheel carries nothing to speak of
 
 
@@ -91,7 +92,7 @@ def base_params(
         rate_change=RATE_CHANGE,
         sideways=moves_sideways(base),
         detect=slip is not None,
-        control_traction=settings.traction is not None,
+        control_traction=settings.traction is not None and not _skids(base),  # whose wheels slip to turn
         compensate=settings.watch is not None,
     )
 
@@ -107,10 +108,14 @@ def _wheel_of_row(base: WheelBase) -> list[int]:
     return [k for k, wheel in enumerate(driven) for _ in KINDS[wheel.kind].speeds(wheel)]
 
 
+def _skids(base: WheelBase) -> bool:
+    return any(wheel.kind == "skid" for wheel in base.wheels)
+
+
 def _estimate_params(base: WheelBase, settings: BaseSettings) -> EstimateParams:
     """Wheels that skid do not tell how fast the base turns, so nothing of the gyro's zero."""
     params = settings.estimate.params(TICK)
-    return params._replace(bias_gain=0.0) if any(wheel.kind == "skid" for wheel in base.wheels) else params
+    return params._replace(bias_gain=0.0) if _skids(base) else params
 
 
 def _skid_params(base: WheelBase, creep: Creep, mass: float, loads: Array) -> SkidParams:
@@ -120,7 +125,7 @@ def _skid_params(base: WheelBase, creep: Creep, mass: float, loads: Array) -> Sk
         wheels = []
     grip = creep.grip * loads[: len(wheels)] / mass
     rows = np.array([(wheel.x, wheel.y, g) for wheel, g in zip(wheels, grip, strict=True)], dtype=float).reshape(-1, 3)
-    return SkidParams(rows, creep.slope * creep.grip, *base.com.tolist())
+    return SkidParams(rows, SHARP * creep.slope * creep.grip, *base.com.tolist())
 
 
 def _steered_params(base: WheelBase, drive: BaseDrive) -> SteeredParams:

@@ -71,6 +71,7 @@ CONTROL_STATE = padded(
         ("gyro_bias", F),
         ("skid_vx", F),  # of wheels that skid: by the balance of their friction
         ("skid_vy", F),
+        ("skid_lean", F),  # rad, mean of the way that it goes against that which it looks
         ("skid_more", F),  # part by which its wheels have to turn more than its effective track says
         ("command_vx", F),
         ("command_vy", F),
