@@ -29,7 +29,7 @@ from holonom.control.path_laws.compiled import law_step
 from holonom.control.path_laws.kanayama import line_keeping_step
 from holonom.devices.drive_signals import WheelSignals
 from holonom.machine.base.params import BaseParams, BaseTask, Work
-from holonom.machine.base.steering_kernels import allowed, look_at, ready, set_off, steer_along
+from holonom.machine.base.steering_kernels import allowed, look_at, ready, rim_change, set_off, steer_along
 from holonom.machine.base.wheel_kernels import (
     control_traction,
     creep,
@@ -323,6 +323,7 @@ def _drive(
 ) -> None:  # fmt: skip
     """Rim speeds and forces for a twist and an acceleration of the base; voltages from them."""
     force = wrench_of(params.body, wanted, twist.turn)
+    change = rim_change(params.steered, wanted, twist)
     part = driven_part(wheels, states, force)
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])
@@ -330,7 +331,7 @@ def _drive(
         rim = part * rim_force(own, force)
         if params.control_traction:
             rim = control_traction(params.traction, wheel, own, rim_speed(wheel, twist), rim)
-        wheel_voltage(wheel, own, rim, rim_speed(wheel, wanted))
+        wheel_voltage(wheel, own, rim, rim_speed(wheel, change))
         store(signals.voltages, i, own.voltage)
         store(signals.speeds, i, own.works * own.rim_reference / wheel.radius)
 

@@ -25,6 +25,7 @@ __all__ = [
     "look_at_wheels",
     "readiness",
     "ready",
+    "rim_change",
     "set_off",
     "share_along",
     "steer",
@@ -200,6 +201,17 @@ def steer_along(
         soon = allowed(steered, drivable, Planar(x, y, turn))
         steer(steered, soon, signals, work.steering_rates)
         share_along(work.rows, work.weights, soon, states)
+
+
+@loop(error_model="numpy", forceinline=True)
+def rim_change(steered: SteeredParams | None, wanted: Planar, twist: Planar) -> Planar:
+    """What rims of steered wheels change by: the acceleration along axes that turn, `a - w x v` (`mobile.wheel_rates`).
+
+    Bases that do not steer are fed the acceleration of the centre as it is.
+    """
+    if steered is not None:
+        return Planar(wanted.x + twist.turn * twist.y, wanted.y - twist.turn * twist.x, wanted.turn)
+    return wanted
 
 
 @loop(error_model="numpy", forceinline=True)
