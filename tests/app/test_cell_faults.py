@@ -112,7 +112,7 @@ FAULTS = {
         'turn_speed = "90deg/s"',
         "turn_speed",
         r"robot\[1\].limits.turn_speed",
-        "no key 'turn_speed'; there is acceleration, jerk, speed, timeout, turn_acc",
+        "no key 'turn_speed'; there is acceleration, dead_band, jerk, side_acceleration, ",
     ),
     "levels": (
         'interpolation = "cubic"',

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -10,13 +12,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from simulated_bases import BASES, DRIVE
 
+from holonom.app.about.drive_bench.bases import BASES as ARRANGEMENTS
 from holonom.closed_loop import BaseLoop
+from holonom.control.base.kernels import Planar
 from holonom.control.base.shaping import ShapingSettings
-from holonom.control.base.shaping_kernels import AxisShape, shaping_step
+from holonom.control.base.shaping_kernels import AxisShape, drivable_twist, shaping_step
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.machine import BaseController, BaseSettings, PathLimits, plan_path
 from holonom.machine.base.kernels import DONE
 from holonom.machine.base.paths import figure_of_eight
+from holonom.mobile import WheelBase
+from holonom.mobile.drive.sized import sized_base_drive
 from holonom.sim import BasePlant
 
 SHAPING = ShapingSettings(
@@ -197,3 +203,91 @@ def test_settings_are_checked() -> None:
         with pytest.raises(OutOfLimits, match=name):
             ShapingSettings(**{name: 0.0})
     assert ShapingSettings(timeout=float("inf")).timeout == float("inf")
+
+
+def test_twists_within_the_dead_band_are_rest() -> None:
+    loop = make(dead_band=0.05, turn_dead_band=0.1)
+    quiet = run(loop, (0.03, -0.03, 0.09), 0.3)
+    assert np.abs(quiet).max() < 5e-3
+    for heard in ((0.04, 0.04, 0.0), (0.0, 0.0, 0.11)):
+        assert np.abs(run(make(dead_band=0.05, turn_dead_band=0.1), heard, 0.5)[-1]).max() > 0.03
+
+
+def test_limits_across_are_their_own() -> None:
+    loop = make(side_speed=0.2, side_acceleration=0.4, side_jerk=4.0)
+    said = []
+    for _ in range(1500):
+        loop.controller.follow_velocity((0.6, 0.6, 0.0))
+        loop.advance(1)
+        said.append([loop.controller.state[f"shaped_{name}"][0] for name in ("vx", "vy")])
+    v = np.array(said)
+    assert v[-1] == pytest.approx([0.6, 0.2], abs=1e-3)
+    a = np.diff(v, axis=0) / 1e-3
+    assert a[:, 1].max() == pytest.approx(0.4, rel=1e-6)
+    assert np.abs(np.diff(a[:, 1])).max() / 1e-3 <= 4.0 * (1 + 1e-6)
+    assert a[:, 0].max() > 1.4
+
+
+def test_nan_is_refused_and_after_the_time_out_it_stops() -> None:
+    """A level above that goes on with NaN says nothing: the base stops as if it were silent."""
+    loop = make()
+    run(loop, (0.5, 0.0, 0.0), 0.6)
+    for _ in range(100):
+        with pytest.raises(ShapeError, match="three finite numbers"):
+            loop.controller.follow_velocity((math.nan, 0.0, 0.0))
+        loop.advance(10)
+    assert np.abs(loop.plant.twist).max() < 0.01
+    assert "is silent" in loop.controller.silence
+
+
+@pytest.mark.parametrize("name", ARRANGEMENTS)
+def test_what_is_too_fast_keeps_its_direction(name: str) -> None:
+    """Of every arrangement: twice what its wheels reach is driven at what they reach, the same way."""
+    base = ARRANGEMENTS[name]()
+    radius, rng = base.radius, np.random.default_rng(5)
+    drivable, rows = base.steerable, np.ascontiguousarray(base.rest_coupling * [1.0, 1.0, radius])
+    for _ in range(50):
+        asked = base.feasible(rng.normal(size=3) * [2.0, 2.0, 2.0 / radius])
+        if base.steered:
+            rows = np.ascontiguousarray(driven_rows(base, asked))
+        found = np.array(drivable_twist(drivable, rows, Planar(*asked), 0.5))
+        rims = rows @ asked
+        part = min(1.0, 0.5 / max(np.abs(rims).max(), 1e-12))
+        np.testing.assert_allclose(found, part * asked, atol=1e-9)
+        assert np.abs(rows @ found).max() <= 0.5 * (1 + 1e-9)
+
+
+def driven_rows(base: WheelBase, twist: np.ndarray) -> np.ndarray:
+    """(m, 3) rims per twist, at the angles to which wheels are steered for it."""
+    rows = base.rolling_matrix(base.steering(twist))
+    return rows[[base.rolling_names.index(name) for name in base.driven]]
+
+
+@pytest.mark.parametrize("acceleration", [20.0, 200.0])
+def test_angles_are_asked_for_within_what_steering_motors_can(acceleration: float) -> None:
+    """Set-points of a swerve drive that is told every way: rate and acceleration, never beyond."""
+    base = ARRANGEMENTS["swerve"]()
+    drive = sized_base_drive(base, 1.0, 1.0)
+    motor = dataclasses.replace(drive.steering, max_rate=4.0, max_torque=1.0, inertia=1.0 / acceleration)
+    drive = dataclasses.replace(drive, steering=motor)
+    loop = BaseLoop(BaseController(base, drive), BasePlant(base, drive, rng=np.random.default_rng(0)))
+    loop.place((0.0, 0.0, 0.0))
+    rng, angles = np.random.default_rng(1), []
+    for k in range(2500):
+        if k % 250 == 0:
+            loop.controller.follow_velocity(rng.normal(size=3) * [0.4, 0.4, 1.0])
+        loop.advance(1)
+        angles.append(loop.plant.signals.steering.copy())
+    rates = np.diff(angles, axis=0) / 1e-3
+    assert np.abs(rates).max() == pytest.approx(4.0, rel=1e-6)
+    assert np.abs(np.diff(rates, axis=0)).max() / 1e-3 <= acceleration * (1 + 1e-6)
+
+
+def test_what_is_too_sharp_is_driven_on_the_tightest_curve() -> None:
+    base = ARRANGEMENTS["ackermann"]()
+    drive = sized_base_drive(base, 1.0, 1.0)
+    loop = BaseLoop(BaseController(base, drive), BasePlant(base, drive, rng=np.random.default_rng(0)))
+    loop.place((0.0, 0.0, 0.0))
+    reached = run(loop, (0.4, 0.0, 3.0), 2.0)[-1]
+    assert reached[0] == pytest.approx(0.4, abs=0.03)
+    assert reached[2] == pytest.approx(0.4 / base.turning_radius, rel=0.05)

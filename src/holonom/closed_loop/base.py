@@ -64,11 +64,24 @@ class BaseLoop:
         OutOfLimits
             Not a whole number of them, or a negative one.
         """
-        run_ticks(*self._arguments(), self.plant.noise(ticks))
+        left = whole_number("ticks", ticks)
+        while True:
+            part = min(left, self.controller.plan())
+            run_ticks(*self._arguments(), self.plant.noise(part))
+            left -= part
+            if left <= 0:
+                return
 
     def advance_logged(self, log: LogBuffer) -> int:
         """Drive on until the buffer is full, the path ends or the base tips; return the milliseconds it took."""
-        return int(run_logged(*self._arguments(), self.plant.noise(len(log.body)), log))
+        done = 0
+        while done < len(log.body):
+            part = log.part(done, done + self.controller.plan())
+            took = int(run_logged(*self._arguments(), self.plant.noise(len(part.body)), part))
+            done += took
+            if took < len(part.body):
+                break
+        return done
 
     @property
     def going_on(self) -> bool:

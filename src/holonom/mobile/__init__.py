@@ -6,7 +6,7 @@ Wheels and bases
     `Wheel`, `WheelBase`; arrangements by name: `differential`, `tricycle`, `bicycle`, `ackermann`, `dual_ackermann`,
     `skid_steer`, `rocker6`, `segway`, `synchro`, `omni`, `mecanum`, `swerve`, `sphere`; `mobility`,
     `degrees_of_freedom`, `is_holonomic`, `conflicting_wheels`; `centre_of_twist`, `centre_of_axles`,
-    `castor_rates`.
+    `castor_rates`; `wheel_rates` (second order).
     `load_base` reads wheels from a URDF or xacro file, `base_urdf` writes one.
 Standing and tipping over
     `support_polygon`, `static_margin`, `zero_moment_point`, `dynamic_margin`, `acceleration_limit`, `lateral_limit`,
@@ -53,6 +53,7 @@ from holonom.mobile.base.mobility import (
     is_holonomic,
     mobility,
 )
+from holonom.mobile.base.second_order import WheelRates, wheel_rates
 from holonom.mobile.base.wheel import KINDS, Wheel
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.base_drive import BaseDrive, BaseSensors
@@ -125,6 +126,7 @@ __all__ = [
     "SpeedProfile",
     "Wheel",
     "WheelBase",
+    "WheelRates",
     "acceleration_envelope",
     "acceleration_limit",
     "ackermann",
@@ -182,5 +184,6 @@ __all__ = [
     "turning_speed",
     "wheel_forces",
     "wheel_loads",
+    "wheel_rates",
     "zero_moment_point",
 ]

@@ -25,6 +25,7 @@ COMMANDS = Table(
         "calibrate odometry": "holonom.app.commands.calibrate_odometry:COMMAND",
         "methods": "holonom.app.commands.methods:COMMAND",
         "bench": "holonom.app.commands.bench:COMMAND",
+        "bench drive": "holonom.app.commands.bench_drive:COMMAND",
         "doctor": "holonom.app.commands.doctor:COMMAND",
     },
 )

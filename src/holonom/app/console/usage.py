@@ -33,7 +33,7 @@ def show_help(words: Sequence[str]) -> bool:
     elif words and words[0] in _HELP:
         sound, problems = COMMANDS.survey()
         say("\n".join([_USAGE.format(commands=_listed(sound)), *problems]))
-    elif len(words) > 1 and words[1] in _HELP and (subjects := _subjects(words[0])):
+    elif len(words) > 1 and words[1] in _HELP and words[0] not in COMMANDS and (subjects := _subjects(words[0])):
         say(f"usage: holonom {words[0]} [-h] SUBJECT ...\n\nsubjects:\n{_listed(subjects)}")
     else:
         return False
@@ -63,6 +63,8 @@ def _name(words: Sequence[str]) -> str:
         came = f"option {words[0]!r} came before a command" if words else "no command came"
         raise UsageError(f"{came}; there is {', '.join(COMMANDS)}; 'holonom --help' says what they do")
     subjects = _subjects(given_as[0])
+    if given_as[0] in COMMANDS and " ".join(given_as) not in subjects:  # a command that has subjects, too
+        return given_as[0]
     if not subjects:
         _check("command", given_as[0], {name.split()[0] for name in COMMANDS})
         return given_as[0]

@@ -47,7 +47,9 @@ def make_base(job: BaseJob, floor: Floor, rng: np.random.Generator) -> BaseLoop:
     ideal = job.drives == "ideal"
     plant = BasePlant(job.base, job.drive, floor, sensors=job.sensors, faults=job.faults, rng=rng, ideal=ideal)
     settings = job.settings.without_motors() if ideal else job.settings
-    loop = BaseLoop(BaseController(job.base, job.drive, settings, creep=creep_on(floor)), plant)
+    loop = BaseLoop(
+        BaseController(job.base, job.drive, settings, creep=Creep(0.0, 1.0) if ideal else creep_on(floor)), plant
+    )
     path, twist = job.task.path, (0.0, 0.0, 0.0)
     if path is not None and job.task.after is None and job.task.start == 0.0:
         twist = tuple(path.twist[0])

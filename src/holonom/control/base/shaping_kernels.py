@@ -9,7 +9,7 @@ from holonom.arrays import Array
 from holonom.control.base.kernels import Planar
 from holonom.trace.code.loops import loop
 
-__all__ = ["AxisShape", "ShapingParams", "drivable_twist", "shaping_step"]
+__all__ = ["AxisShape", "ShapingParams", "awake", "drivable_twist", "shaping_step"]
 
 
 class AxisShape(NamedTuple):
@@ -21,13 +21,22 @@ class AxisShape(NamedTuple):
 
 
 class ShapingParams(NamedTuple):
-    """Following a twist that is asked for: s after which it is too old, limits of each component."""
+    """Following a twist: s after which it is too old, m/s and rad/s below which it is rest; limits of each part."""
 
     dt: float
     timeout: float
+    dead_band: float
+    turn_dead_band: float
     forwards: AxisShape
     sideways: AxisShape
     turning: AxisShape
+
+
+@loop(error_model="numpy")
+def awake(params: ShapingParams, vx: float, vy: float, w: float) -> float:
+    """1 for a twist that is followed, 0 within the dead band."""
+    rests = vx * vx + vy * vy < params.dead_band * params.dead_band and abs(w) < params.turn_dead_band
+    return 0.0 if rests else 1.0
 
 
 @loop(error_model="numpy")

@@ -89,7 +89,7 @@ def kanayama_step(
 def line_keeping_step(
     params: KeepingParams, reference: Array, pose: Planar, before: Planar
 ) -> tuple[Planar, Planar, Planar]:
-    """`keeping_step` of a base that cannot move sideways: Kanayama's law with its gains; no integral."""
+    """`keeping_step` of a base that cannot move sideways and holds its pose: Kanayama's law; no integral."""
     speed, rate = _wanted(
         params.position_gain, params.heading_gain, params.max_correction, params.max_turn_correction, reference, pose
     )

@@ -18,10 +18,13 @@ from holonom.control.path_laws.contract import (
 )
 from holonom.errors import MissingExtra, OutOfLimits, RunError, ShapeError
 from holonom.registry import Method, check_fields, parameter
+from holonom.trace.code.loops import loop
 
-__all__ = ["MPC", "LinearMpc", "MpcSettings", "QuadraticProgram"]
+__all__ = ["LEFT", "MPC", "LinearMpc", "MpcSettings", "QuadraticProgram", "planned_step"]
 
 TICK = 1e-3  # s, of a path's samples
+SPEED, RATE, LEFT = 2, 3, 4
+"""Places in the memory (8,): what is planned for this period, m/s and rad/s, and ms until it must be planned anew."""
 _FAR = 1e20  # what OSQP takes for infinite
 
 
@@ -52,8 +55,18 @@ class MpcSettings(LawSettings):
             raise OutOfLimits(f"MpcSettings: period is {self.period} s; it must be a whole number of ms")
 
     def params(self, dt: float) -> CommandLimits:
-        """Limits of a command that lasts for a time, s."""
+        """Limits of a command that lasts for a time, s; params of `planned_step`."""
         return self.limits(dt)
+
+
+@loop(error_model="numpy")
+def planned_step(
+    params: CommandLimits, path: Array, phase: float, now: Array, pose: Planar, twist: Planar, before: Planar,
+    memory: Array,
+) -> Planar:  # fmt: skip
+    """What was planned last, from `memory`, within limits; arguments as `PathLaw` says. It counts the ms down."""
+    memory[LEFT] -= 1.0
+    return limited(params, before, memory[SPEED], memory[RATE])
 
 
 class QuadraticProgram(NamedTuple):
@@ -88,9 +101,16 @@ class LinearMpc:
     reference must leave some of the turning limit over to correct with.
     """
 
+    step = staticmethod(planned_step)
+    """Its compiled step as a `PathLaw`, between two plans."""
+
     def __init__(self, settings: MpcSettings) -> None:
         self.settings = settings
         self._solver: Any = None
+
+    def __deepcopy__(self, memo: object) -> LinearMpc:
+        """A planner of the same settings, whose solver begins anew."""
+        return LinearMpc(self.settings)
 
     def plan(self, path: Array, phase: float, pose: Planar, before: Planar) -> Array:
         """Commands (H, 3), m/s, 0, rad/s, each for a period.
@@ -132,6 +152,22 @@ class LinearMpc:
             before = limited(limits, before, v, w)  # what a solver's tolerance is over
             commands[k] = before
         return commands
+
+    def check_library(self) -> None:
+        """Raise `MissingExtra` where OSQP is not installed."""
+        _osqp()
+
+    def plan_into(self, memory: Array, path: Array, phase: float, pose: Planar, before: Planar) -> None:
+        """Plan the next period into the memory (8,) of `planned_step`; raises as `plan` does.
+
+        A last command beyond the limits is taken as the nearest within.
+        """
+        s = self.settings
+        v = min(max(before.x, -s.max_speed), s.max_speed)
+        most = s.max_turn_rate if math.isinf(s.max_curvature) else min(s.max_turn_rate, abs(v) * s.max_curvature)
+        w = min(max(before.turn, -most), most)
+        memory[SPEED], _, memory[RATE] = self.plan(path, phase, pose, Planar(v, 0.0, w))[0]
+        memory[LEFT] = round(s.period / TICK)
 
     def program(self, path: Array, phase: float, pose: Planar, before: Planar) -> QuadraticProgram:
         """The quadratic program of `plan`, dense, for whoever solves it otherwise."""

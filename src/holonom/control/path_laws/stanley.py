@@ -24,6 +24,7 @@ from holonom.trace.code.loops import loop
 
 __all__ = ["STANLEY", "StanleyParams", "StanleySettings", "stanley_step"]
 
+LEAD = 0.3  # m, of a leading axle that nobody states
 STEEPEST = math.radians(80.0)  # steering angle of the leading axle, where the base may turn on the spot
 
 
@@ -50,12 +51,15 @@ class StanleySettings(LawSettings):
     gain: float = parameter(3.0, meaning="k: the cross-track error's", unit="1/s", above=0.0)
     softening: float = parameter(0.2, meaning="added to the speed, so that it does not steer hard at rest",
                                  unit="m/s", above=0.0)  # fmt: skip
-    lead: float = parameter(0.3, meaning="of the leading axle before base_link: a car's wheelbase", unit="m", above=0.0)
+    lead: float | None = parameter(
+        None, meaning="of the leading axle before base_link: a car's wheelbase; None: the base's, else 0.3 m",
+        unit="m", above=0.0,
+    )  # fmt: skip
     position_gain: float = parameter(2.0, meaning="speed per error along the way", unit="1/s", least=0.0)
 
     def params(self, dt: float) -> StanleyParams:
         """Params of `stanley_step` at a sample time, s."""
-        return StanleyParams(self.limits(dt), self.gain, self.softening, self.lead, self.position_gain)
+        return StanleyParams(self.limits(dt), self.gain, self.softening, self.lead or LEAD, self.position_gain)
 
 
 @loop(error_model="numpy")

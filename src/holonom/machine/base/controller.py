@@ -9,42 +9,30 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, finite_array, real_array
-from holonom.control import ServoAxis
-from holonom.control.base.force_kernels import Body
-from holonom.control.base.kernels import EstimateParams
-from holonom.control.base.traction import TractionSettings, WatchSettings
-from holonom.control.base.tuning import WheelLoop, tune_wheel
-from holonom.devices import tracking_params
+from holonom.control.base.kernels import Planar
+from holonom.control.path_laws.compiled import MEMORY
+from holonom.control.path_laws.mpc import LEFT, LinearMpc
 from holonom.devices.drive_signals import WheelSignals
 from holonom.errors import ShapeError
 from holonom.machine.base.kernels import HOLD, PATH, RUNNING, VELOCITY, control_step
-from holonom.machine.base.params import BaseParams, BaseTask, Work
+from holonom.machine.base.known import TICK, base_params, known_wheel, max_rim_speed, wheel_loop
+from holonom.machine.base.laws import fitted_law
+from holonom.machine.base.params import BaseTask, Work
 from holonom.machine.base.records import CONTROL_STATE, KNOWN_WHEEL, SEEN_WHEEL
-from holonom.machine.base.settings import KEEP, BaseSettings, Creep, slip_settings
-from holonom.machine.base.steering_kernels import SteeredParams, look_at_wheels
+from holonom.machine.base.settings import BaseSettings, Creep
+from holonom.machine.base.steering_kernels import look_at_wheels
 from holonom.machine.base.wheel_kernels import share_force
-from holonom.mobile.base.drivable import moves_sideways
-from holonom.mobile.base.dynamics import inertia_over_mass
-from holonom.mobile.base.wheel import KINDS, Wheel
+from holonom.mobile.base.wheel import KINDS
 from holonom.mobile.base.wheel_base import WheelBase
-from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive, base_mass, rest_loads, roller_cosines, standing_wheels
-from holonom.mobile.drive.coupling import coupling_at_rest
-from holonom.mobile.drive.slip import SlipSettings, detectable, slip_params
-from holonom.mobile.drive.slip_kernels import BOUND, NO_SLIP, UNDETECTABLE, SlipParams
+from holonom.mobile.drive.base_drive import BaseDrive
+from holonom.mobile.drive.slip_kernels import NO_SLIP, UNDETECTABLE
 from holonom.trace.call.records import aligned_records, side_by_side
 from holonom.trace.code.simd import WIDTH
 
 __all__ = ["TICK", "BaseController"]
 
 
-TICK = 1e-3
-"""Sample time of all loops of a base, s."""
-RESERVE = 0.85  # part of the largest force that a slowed-down path may need; the rest is for errors
-RATE_CHANGE = 1.0  # 1/s, how fast a path is slowed down
-COULOMB_SMOOTHING = 2.0  # rad/s of the motor, below which friction that is fed forward goes over into its opposite
-FIRST = {"both": (1.0, 1.0, 1.0), "path": (1.0, 1.0, 0.03), "heading": (0.03, 0.03, 1.0)}
-"""Weights of force and torque / R, where lost motors cannot make both."""
-LEAST_LOAD = 1e-3  # part of the weight below which a wheel carries nothing to speak of
+FOR_EVER = 1 << 40  # ms
 NO_PATH = np.zeros((0, 9))
 
 
@@ -80,11 +68,13 @@ class BaseController:
         driven = [wheel for wheel in base.wheels if wheel.driven for _ in KINDS[wheel.kind].speeds(wheel)]
         self.radii = base.wheel_radii
         rows = np.ascontiguousarray(base.rest_coupling * [1.0, 1.0, base.radius])
-        self.loop = _wheel_loop(base, drive)
+        self.loop = wheel_loop(base, drive)
         """Tuned speed loop of the wheels, with its margins."""
-        self.params = _params(base, drive, settings, settings.creep or creep, rows, self.radii)
+        self.law = fitted_law(settings.law, base, settings.keeping, max_rim_speed(drive, self.radii))
+        """How it keeps a path, within its limits; None where it moves along y at once."""
+        self.params = base_params(base, drive, settings, self.law, settings.creep or creep, rows, self.radii)
         known = [
-            _known_wheel(wheel, row, most, drive, self.loop)
+            known_wheel(wheel, row, most, drive, self.loop)
             for wheel, row, most in zip(driven, rows, self.params.max_force, strict=True)
         ]
         self.wheels = side_by_side(np.array(known, KNOWN_WHEEL))
@@ -98,8 +88,10 @@ class BaseController:
             rows, estimate_rows,
             np.ones(trusted), self.params.bearing.copy(), np.zeros((len(driven), 3)), np.zeros(max(lanes, trusted)),
             np.zeros(lanes), np.zeros(lanes), np.full(3, np.nan), np.zeros(9),
+            np.zeros(len(base.wheels)),
         )  # fmt: skip
         self.task = BaseTask(NO_PATH)
+        self._planner: LinearMpc | None = None
         if self.params.steered is None:
             share_force(self.params.pull_rows, self.params.pull, self.work.weights, self.work.share, self.states)
         slip = self.state["slip"][0]
@@ -169,7 +161,29 @@ class BaseController:
             raise ShapeError(f"a path has shape {rows.shape}; it must be (N, 9) with N of at least 1, finite")
         self.task = BaseTask(rows)
         self._do(PATH)
-        self.state["phase"] = 0.0
+        self.state["phase"] = self.state["law"] = 0.0
+        self._planner = LinearMpc(self.law.settings) if isinstance(self.law, LinearMpc) else None
+
+    def plan(self) -> int:
+        """Plan anew where the law of the path plans and it is time; return the milliseconds that its plan lasts.
+
+        Raises
+        ------
+        MissingExtra
+        RunError
+            There was no plan.
+        """
+        if self._planner is None:
+            return FOR_EVER
+        state = self.state[0]
+        if state["mode"] != PATH:
+            return FOR_EVER
+        memory = state["law"][MEMORY:]
+        if memory[LEFT] <= 0.0:
+            before = Planar(*(float(state[f"command_{name}"]) for name in ("vx", "vy", "w")))
+            pose = Planar(*self.pose.tolist())
+            self._planner.plan_into(memory, self.task.path, float(state["phase"]), pose, before)
+        return int(memory[LEFT])
 
     def follow_velocity(self, twist: Sequence[float] | Array) -> None:
         """Follow a twist (3,) in base_link, m/s and rad/s, until the next one or until it is too old.
@@ -216,140 +230,3 @@ def _three(twist: Sequence[float] | Array) -> tuple[float, float, float]:
         return float(vx), float(vy), float(w)
     except (TypeError, ValueError):
         return math.nan, math.nan, math.nan
-
-
-def _params(
-    base: WheelBase, drive: BaseDrive, settings: BaseSettings, creep: Creep, rows: Array, radii: Array
-) -> BaseParams:
-    mass, each = base_mass(base), _wheel_of_row(base)
-    loads, cosines = rest_loads(base)[each], roller_cosines(base)[each]
-    bearing = np.maximum(loads, LEAST_LOAD * mass * GRAVITY)
-    most = _max_force(drive, radii, cosines * bearing, settings.friction)
-    coupling = coupling_at_rest(base)
-    inverse = np.linalg.pinv(coupling.velocity)
-    slip = settings.slip if not base.steered and detectable(coupling) else None
-    if isinstance(slip, str):
-        slip = slip_settings(settings.sensors, drive, float(radii.max()))
-    slipping = slip_params(coupling, slip) if slip is not None else _no_slip_params(len(rows))
-    motor, gear = drive.motor, drive.gear
-    force_per_ampere = motor.torque_constant * gear.ratio * gear.efficiency / radii
-    drivable = base.steerable
-    first = np.array(FIRST[settings.keep]) * [1.0, 1.0, 1.0 if settings.keep == "both" else 1.0 / base.radius]
-    scale = np.array([1.0, 1.0, base.radius])
-    momentum = mass * inertia_over_mass(base.radius, base.alpha, base.com) * np.outer(scale, scale)
-    return BaseParams(
-        keeping=settings.keeping.params(TICK),
-        shaping=settings.shaping.params(TICK),
-        estimate=_estimate_params(base, settings),
-        traction=(settings.traction or TractionSettings()).params(TICK),
-        watch=(settings.watch or WatchSettings()).params(TICK),
-        slip=slipping,
-        steered=_steered_params(base, drive) if base.steered else None,
-        drivable=np.ascontiguousarray(drivable),
-        residual=np.eye(len(rows)) - coupling.velocity @ inverse,
-        inverse=np.ascontiguousarray(inverse),
-        quiet=_quiet(slip, slipping),
-        grip_per_ampere=np.append(force_per_ampere / (cosines * bearing * creep.grip), np.zeros(-len(rows) % WIDTH)),
-        creep=np.append(creep.slope * creep.grip / cosines, np.zeros(-len(rows) % WIDTH)),
-        body=Body(mass, base.alpha * mass * base.radius**2, *base.com.tolist()),
-        pull_rows=np.ascontiguousarray(rows @ drivable * first),
-        pull=np.ascontiguousarray(first[:, None] * drivable.T),
-        momentum=np.ascontiguousarray(momentum),
-        keep=KEEP.index(settings.keep),
-        max_force=most,
-        bearing=bearing / bearing.mean(),
-        max_rim=motor.no_load_speed / abs(gear.ratio) * float(radii.min()),
-        path_force=RESERVE * most,
-        rate_change=RATE_CHANGE,
-        sideways=moves_sideways(base),
-        detect=slip is not None,
-        control_traction=settings.traction is not None,
-        compensate=settings.watch is not None,
-    )
-
-
-def _wheel_of_row(base: WheelBase) -> list[int]:
-    """Which driven wheel each driven row belongs to: a ball has two."""
-    driven = [wheel for wheel in base.wheels if wheel.driven]
-    return [k for k, wheel in enumerate(driven) for _ in KINDS[wheel.kind].speeds(wheel)]
-
-
-def _estimate_params(base: WheelBase, settings: BaseSettings) -> EstimateParams:
-    """Wheels that skid do not tell how fast the base turns, so nothing of the gyro's zero."""
-    params = settings.estimate.params(TICK)
-    return params._replace(bias_gain=0.0) if any(wheel.kind == "skid" for wheel in base.wheels) else params
-
-
-def _steered_params(base: WheelBase, drive: BaseDrive) -> SteeredParams:
-    """Wheels of a base that steers; their lanes in the signals are those of `standing_wheels`."""
-    standing = [wheel.name for wheel in standing_wheels(base)]
-    slides = [k for k, wheel in enumerate(base.wheels) if wheel.name in base.sliding_names]
-    radius = base.turning_radius
-    return SteeredParams(
-        places=np.array([(*wheel.acting, wheel.heading) for wheel in base.wheels]),
-        limits=np.array([math.inf if wheel.max_steering is None else wheel.max_steering for wheel in base.wheels]),
-        lanes=np.array([standing.index(w.name) if w.kind == "steered" else -1 for w in base.wheels], dtype=np.int64),
-        driven=np.array([k for k, wheel in enumerate(base.wheels) if wheel.driven], dtype=np.int64),
-        sliding=np.array(slides, dtype=np.int64),
-        curvature=1.0 / max(radius, 1e-9),
-        ahead=drive.steering.lag,
-    )
-
-
-def _no_slip_params(count: int) -> SlipParams:
-    """Params of a detector that is not asked."""
-    return SlipParams(
-        1.0, 1.0, np.zeros((count, 4)), np.zeros((1, 5 + 3 * count)), 0.0, 0.0, 0.0, 0.0, 0, 0, 0.0, -1, 1, 1, 1
-    )
-
-
-def _quiet(slip: SlipSettings | None, params: SlipParams) -> float:
-    """Bound of the detector on the square sum of the residual, (m/s)^2, where it is one number for all wheels."""
-    if slip is None or params.redundancy <= 0 or not isinstance(slip.noise, float):
-        return -1.0
-    return float(params.hypotheses[0, BOUND]) * slip.noise**2
-
-
-def _max_force(drive: BaseDrive, radii: Array, loads: Array, friction: float) -> Array:
-    """Force (m,), N, along its rim that each wheel can be asked for: its motor's, or what an assumed friction carries.
-
-    `loads` are times the cosines of the rollers' angles.
-    """
-    motor, gear = drive.motor, drive.gear
-    torque = motor.torque_constant * min(motor.max_current, motor.max_voltage / motor.resistance)
-    return np.asarray(np.minimum(abs(gear.ratio) * gear.efficiency * torque / radii, friction * loads))
-
-
-def _wheel_loop(base: WheelBase, drive: BaseDrive) -> WheelLoop:
-    """Tune for the largest share of the base that the wheels carry in any of its motions."""
-    coupling = coupling_at_rest(base)
-    S = coupling.motions
-    inertia = S.T @ inertia_over_mass(base.radius, base.alpha, base.com) @ S * base_mass(base)
-    mobile = np.linalg.svd(coupling.velocity @ S @ np.linalg.inv(np.linalg.cholesky(inertia)).T, compute_uv=False)
-    share = 1.0 / float(mobile[mobile > 1e-6 * mobile[0]].min()) ** 2 * float(max(w.radius for w in base.wheels)) ** 2
-    at_motor = 1.0 / drive.gear.ratio**2
-    motor = drive.motor
-    axis = ServoAxis(
-        resistance=motor.resistance,
-        inductance=motor.inductance,
-        torque_constant=motor.torque_constant,
-        back_emf_constant=motor.back_emf_constant,
-        inertia=at_motor * (drive.inertia + share),
-        max_voltage=motor.max_voltage,
-        max_current=motor.max_current,
-        max_speed=motor.no_load_speed,
-        counts_per_rev=drive.encoder.counts_per_rev,
-        viscous=drive.friction.viscous,
-    )
-    return tune_wheel(axis, at_motor * drive.inertia, dt=TICK)
-
-
-def _known_wheel(
-    wheel: Wheel, row: Sequence[float], most: float, drive: BaseDrive, loop: WheelLoop
-) -> tuple[object, ...]:
-    """The motor as the plant's own step has it, half a millisecond: what is known of it does not depend on steps."""
-    return (
-        *row, wheel.radius, math.cos(wheel.roller_angle), most, drive.inertia, drive.motor.torque_constant,
-        tuple(drive.motor.armature(TICK)), tuple(drive.friction.params(COULOMB_SMOOTHING)), tuple(drive.gear.params()),
-        tuple(drive.encoder.params()), tuple(tracking_params(loop.observer_bandwidth, TICK)), tuple(loop.speed),
-    )  # fmt: skip

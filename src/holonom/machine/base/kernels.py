@@ -15,6 +15,7 @@ from holonom.arrays import Array
 from holonom.control.base.force_kernels import feasible_rate, wrench_of
 from holonom.control.base.kernels import (
     EstimateParams,
+    KeepingParams,
     Planar,
     estimate_step,
     keeping_step,
@@ -22,11 +23,13 @@ from holonom.control.base.kernels import (
     reference_at,
     wanted_acceleration,
 )
-from holonom.control.base.shaping_kernels import drivable_twist, shaping_step
+from holonom.control.base.shaping_kernels import awake, drivable_twist, shaping_step
+from holonom.control.base.skid_kernels import SkidParams, skid_twist
+from holonom.control.path_laws.compiled import law_step
 from holonom.control.path_laws.kanayama import line_keeping_step
 from holonom.devices.drive_signals import WheelSignals
 from holonom.machine.base.params import BaseParams, BaseTask, Work
-from holonom.machine.base.steering_kernels import SteeredParams, bend, look_at_wheels, readiness, share_along, steer
+from holonom.machine.base.steering_kernels import allowed, look_at, ready, rim_change, set_off, steer_along
 from holonom.machine.base.wheel_kernels import (
     control_traction,
     creep,
@@ -65,6 +68,11 @@ RUNNING, DONE, STOPPED = 0, 1, 2
 """How far its path is: under way, at its end, stopped by a jammed wheel."""
 KEEP_BOTH, KEEP_PATH, KEEP_HEADING = 0, 1, 2
 """What is kept where the motors that are left cannot hold path and heading at once."""
+SLOW = 0.2  # m/s, below which the way that a base goes is not told from the one that it looks
+SLOW_TURN = 0.3  # rad/s, below which little is learned of how much wheels skid
+LEARNING = 4.0  # 1/s
+LEANING = 0.1  # s, over which the way is averaged: it swings with the turning rate, which a law would only excite
+MOST_SKID = 0.8  # part by which wheels may turn a base more, or less, than they would without skidding
 STANDING = 500  # ms after which a base that had to stop is done
 Records = NDArray[np.void]
 
@@ -82,22 +90,24 @@ def control_step(
     """From what is measured to voltages, in `signals`; all that evolves is in `state`, `states` and `work`."""
     base = state[0]
     base.gyro, base.imu_x, base.imu_y = signals.inertial[0], signals.inertial[1], signals.inertial[2]
-    _look(params.steered, signals, work, wheels)
-    _sense(params, signals, wheels, states, work)
+    look_at(params.steered, signals, work, wheels)
+    _sense(params, base, signals, wheels, states, work)
     _detect(params, base, work)
     _react(params, task.path, base, wheels, states, work)
     change = max(min((base.goal - base.rate) / params.keeping.dt, params.rate_change), -params.rate_change)
     twist = _estimate(params.estimate, work.estimate_rows, base, work)
     _refer(params, task.path, base, change, signals, work.rows, work.now)
-    command, ahead = _keep(params, base, work.now)
-    _steer(params.steered, params.drivable, base, command, ahead, signals, work, states)
+    command, ahead = _keep(params, task.path, base, twist, work.now)
+    steer_along(params.steered, params.drivable, task.path, base, command, ahead, signals, work, states)
     if base.lame != 0 and params.keep != KEEP_BOTH:
         command = _given_up(params, base, command, twist)
     wanted = wanted_acceleration(params.keeping, command, twist, ahead)
     if base.rate <= 0.0:  # the base had to stop: hold the wheels
         command = wanted = Planar(0.0, 0.0, 0.0)
+    if len(params.skid.wheels):
+        command = _skidding(params.keeping, base, command)
     _drive(params, signals, command, wanted, twist, wheels, states)
-    base.phase += base.rate
+    base.phase += base.rate * set_off(params.steered, task.path, base, signals)
     base.rate += params.keeping.dt * change
     base.stood = base.stood + 1 if base.rate <= 0.0 else 0
 
@@ -129,7 +139,7 @@ def say(base: Any, wheels: Records, states: Records, row: Any, rows: Array) -> N
 
 
 @loop(error_model="numpy", forceinline=True)
-def _sense(params: BaseParams, signals: WheelSignals, wheels: Records, states: Records, work: Work) -> None:
+def _sense(params: BaseParams, base: Any, signals: WheelSignals, wheels: Records, states: Records, work: Work) -> None:
     """Counters, observers and shunts; rim speeds, and what they are without the creep of a gripping wheel."""
     for i in range(len(wheels)):
         own = packed(states[i])
@@ -137,8 +147,22 @@ def _sense(params: BaseParams, signals: WheelSignals, wheels: Records, states: R
         store(work.rims, i, own.rim)
         used = load(params.grip_per_ampere, i) * own.measured_current
         store(work.gripping, i, own.rim - creep(load(params.creep, i), used))
-    for i in range(len(work.rows), len(work.estimate_rows)):
-        work.rims[i] = 0.0
+    m = len(work.rows)
+    for i in range(m, len(work.estimate_rows)):  # wheels that do not slide still creep outwards
+        p, q = work.estimate_rows[i, 0], work.estimate_rows[i, 1]
+        work.rims[i] = -params.creep_across * (p * base.imu_x + q * base.imu_y)
+    if len(params.skid.wheels):
+        _skid(params.skid, base, work)
+
+
+@loop(error_model="numpy", forceinline=True)
+def _skid(params: SkidParams, base: Any, work: Work) -> None:
+    """Put rim speeds in the place of what is measured that say the twist at which the wheels skid."""
+    before, rows = Planar(base.skid_vx, base.skid_vy, 0.0), work.estimate_rows
+    found = skid_twist(params, work.rims, before, base.gyro - base.gyro_bias, base.imu_x, base.imu_y)
+    base.skid_vx, base.skid_vy = found.x, found.y
+    for i in range(len(rows)):
+        work.rims[i] = rows[i, 0] * found.x + rows[i, 1] * found.y + rows[i, 2] * found.turn
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -198,20 +222,33 @@ def _shape(params: BaseParams, base: Any, signals: WheelSignals, rows: Array, no
     shaping = params.shaping
     base.age += 1
     heard = base.rate if base.age * shaping.dt <= shaping.timeout else 0.0
+    heard *= awake(shaping, base.wanted_vx, base.wanted_vy, base.wanted_w)
     wanted = Planar(heard * base.wanted_vx, heard * base.wanted_vy, heard * base.wanted_w)
     goal = drivable_twist(params.drivable, rows, wanted, params.max_rim)
     base.shaped_vx, base.shaped_ax = shaping_step(shaping.dt, shaping.forwards, base.shaped_vx, base.shaped_ax, goal.x)
     base.shaped_vy, base.shaped_ay = shaping_step(shaping.dt, shaping.sideways, base.shaped_vy, base.shaped_ay, goal.y)
     base.shaped_w, base.shaped_aw = shaping_step(shaping.dt, shaping.turning, base.shaped_w, base.shaped_aw, goal.turn)
     now[0], now[1], now[2] = base.seen_x, base.seen_y, base.seen_theta  # no place to keep
-    asked = _allowed(params.steered, params.drivable, Planar(base.shaped_vx, base.shaped_vy, base.shaped_w))
-    part = _ready(params.steered, asked, signals)
+    asked = allowed(params.steered, params.drivable, Planar(base.shaped_vx, base.shaped_vy, base.shaped_w))
+    part = ready(params.steered, asked, signals)
     now[3], now[4], now[5] = part * asked.x, part * asked.y, part * asked.turn
     w = base.shaped_w  # the centre's acceleration in turning axes
     now[6], now[7] = base.shaped_ax - w * base.shaped_vy, base.shaped_ay + w * base.shaped_vx
     now[8] = base.shaped_aw
     for j in range(6, 9):
         now[j] *= part
+
+
+@loop(error_model="numpy", forceinline=True)
+def _skidding(params: KeepingParams, base: Any, command: Planar) -> Planar:
+    """The command to wheels that skid: they are to turn as much more as it takes until the gyro sees what is wanted.
+
+    What they turn more by, over the wanted rate, is learned while it turns: the effective track is not constant.
+    """
+    w = command.turn
+    learned = params.dt * LEARNING * (w - base.seen_w) * w / (w * w + SLOW_TURN * SLOW_TURN)
+    base.skid_more = min(max(base.skid_more + learned, -MOST_SKID), MOST_SKID)
+    return Planar(command.x, command.y, (1.0 + base.skid_more) * w)
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -227,67 +264,26 @@ def _estimate(params: EstimateParams, rows: Array, base: Any, work: Work) -> Pla
 
 
 @loop(error_model="numpy", forceinline=True)
-def _keep(params: BaseParams, base: Any, reference: Array) -> tuple[Planar, Planar]:
+def _keep(params: BaseParams, path: Array, base: Any, twist: Planar, reference: Array) -> tuple[Planar, Planar]:
     """Twist to command and acceleration to feed forward."""
     pose = Planar(base.seen_x, base.seen_y, base.seen_theta)
     integral = Planar(base.integral_x, base.integral_y, base.integral_theta)
     before = Planar(base.command_vx, base.command_vy, base.command_w)
     if params.sideways or base.mode == VELOCITY:  # whose place is not kept
         command, ahead, grown = keeping_step(params.keeping, reference, pose, base.seen_w, integral, before)
-    else:
+    elif base.mode == HOLD:
         command, ahead, grown = line_keeping_step(params.keeping, reference, pose, before)
-    command = _allowed(params.steered, params.drivable, command)
+    else:
+        if len(params.skid.wheels):  # where it goes is not where it looks
+            lean = twist.y * twist.x / (twist.x * twist.x + SLOW * SLOW)
+            base.skid_lean += params.keeping.dt / LEANING * (lean - base.skid_lean)
+            pose = Planar(pose.x, pose.y, pose.turn + base.skid_lean)
+        command = law_step(params.law, path, base.phase, reference, pose, twist, before, base.law)
+        ahead, grown = Planar(reference[6], reference[7], reference[8]), integral
+    command = allowed(params.steered, params.drivable, command)
     base.command_vx, base.command_vy, base.command_w = command.x, command.y, command.turn
     base.integral_x, base.integral_y, base.integral_theta = grown.x, grown.y, grown.turn
     return command, ahead
-
-
-@loop(error_model="numpy", forceinline=True)
-def _allowed(steered: SteeredParams | None, drivable: Array, command: Planar) -> Planar:
-    """The command without what no steering makes wheels roll along."""
-    x = drivable[0, 0] * command.x + drivable[0, 1] * command.y + drivable[0, 2] * command.turn
-    y = drivable[1, 0] * command.x + drivable[1, 1] * command.y + drivable[1, 2] * command.turn
-    turn = drivable[2, 0] * command.x + drivable[2, 1] * command.y + drivable[2, 2] * command.turn
-    if steered is not None:
-        return bend(steered, Planar(x, y, turn))
-    return Planar(x, y, turn)
-
-
-@loop(error_model="numpy", forceinline=True)
-def _look(steered: SteeredParams | None, signals: WheelSignals, work: Work, wheels: Records) -> None:
-    if steered is not None:
-        look_at_wheels(steered, signals, work.rows, work.estimate_rows, wheels)
-
-
-@loop(error_model="numpy", forceinline=True)
-def _ready(steered: SteeredParams | None, twist: Planar, signals: WheelSignals) -> float:
-    """Part of a twist that may be driven while its wheels are still being steered to it."""
-    if steered is not None:
-        return readiness(steered, twist, signals)
-    return 1.0
-
-
-@loop(error_model="numpy", forceinline=True)
-def _steer(
-    steered: SteeredParams | None, drivable: Array, base: Any, command: Planar, ahead: Planar, signals: WheelSignals,
-    work: Work, states: Records,
-) -> None:  # fmt: skip
-    """Steer for the twist that is to be, once the motors have followed; share force along it.
-
-    What a twist along axes that turn changes by is the centre's acceleration less `w x v`. Velocities are steered for
-    as they are asked for: what is driven of them waits for the wheels.
-    """
-    if steered is not None:
-        t, w = steered.ahead, command.turn
-        x = command.x + t * (ahead.x + w * command.y)
-        y = command.y + t * (ahead.y - w * command.x)
-        turn = w + t * ahead.turn
-        if base.mode == VELOCITY:
-            x, y = base.shaped_vx + t * base.shaped_ax, base.shaped_vy + t * base.shaped_ay
-            turn = base.shaped_w + t * base.shaped_aw
-        soon = _allowed(steered, drivable, Planar(x, y, turn))
-        steer(steered, soon, signals)
-        share_along(work.rows, work.weights, soon, states)
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -327,6 +323,7 @@ def _drive(
 ) -> None:  # fmt: skip
     """Rim speeds and forces for a twist and an acceleration of the base; voltages from them."""
     force = wrench_of(params.body, wanted, twist.turn)
+    change = rim_change(params.steered, wanted, twist)
     part = driven_part(wheels, states, force)
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])
@@ -334,7 +331,7 @@ def _drive(
         rim = part * rim_force(own, force)
         if params.control_traction:
             rim = control_traction(params.traction, wheel, own, rim_speed(wheel, twist), rim)
-        wheel_voltage(wheel, own, rim, rim_speed(wheel, wanted))
+        wheel_voltage(wheel, own, rim, rim_speed(wheel, change))
         store(signals.voltages, i, own.voltage)
         store(signals.speeds, i, own.works * own.rim_reference / wheel.radius)
 

@@ -8,6 +8,8 @@ from holonom.arrays import Array
 from holonom.control.base.force_kernels import Body
 from holonom.control.base.kernels import EstimateParams, KeepingParams, TractionParams, WatchParams
 from holonom.control.base.shaping_kernels import ShapingParams
+from holonom.control.base.skid_kernels import SkidParams
+from holonom.control.path_laws.compiled import LawCall
 from holonom.machine.base.steering_kernels import SteeredParams
 from holonom.mobile.drive.slip_kernels import SlipParams
 
@@ -19,9 +21,11 @@ class BaseParams(NamedTuple):
 
     keeping: KeepingParams
     shaping: ShapingParams
+    law: LawCall  # of a path, where it cannot move along y at once
     estimate: EstimateParams
     traction: TractionParams
     watch: WatchParams
+    skid: SkidParams
     slip: SlipParams
     steered: SteeredParams | None  # None: no wheel steers
     drivable: Array  # (3, 3) twist to the nearest one that drags no wheel, once those that steer have turned
@@ -30,6 +34,7 @@ class BaseParams(NamedTuple):
     quiet: float  # square sum of the residual, (m/s)^2, up to which nothing slips; below 0: ask the detector always
     grip_per_ampere: Array  # (m,) part of its grip that a motor pushes with per ampere; zeros up to whole fours
     creep: Array  # (m,) m/s that a rim slips with all its grip, were it to grow linearly; zeros up to whole fours
+    creep_across: float  # s, that wheels which do not slide creep against an acceleration
     body: Body
     pull_rows: Array  # (m, 3) rims per motion that wheels allow, weighted by what is kept where not all can be
     pull: Array  # (3, 3) force on base_link to the same weighted motions: what wheels take up sideways is left out
@@ -53,7 +58,7 @@ class BaseTask(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Arrays of the controller: `rows`, `trust`, `weights`, `share` and `last` are kept, the others are scratch."""
+    """Arrays of the controller: `rows`, `trust`, `weights`, `share`, `last`, `steering_rates` are kept."""
 
     rows: Array  # (m, 3) rim speeds per (vx, vy, w), as the wheels are steered
     estimate_rows: Array  # (m + k, 3) the same, and k directions in which no wheel lets the base move
@@ -65,3 +70,4 @@ class Work(NamedTuple):
     last: Array  # (4 n,) that of the sample before
     acceleration: Array  # (3,)
     now: Array  # (9,) reference
+    steering_rates: Array  # (n,) rad/s, of the angles that are asked for

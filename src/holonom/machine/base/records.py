@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from holonom.control.kernels import SpeedParams
+from holonom.control.path_laws.compiled import NUMBERS
 from holonom.devices.kernels import ArmatureParams, EncoderParams, FrictionParams, GearParams, TrackingParams
 from holonom.mobile.drive.slip_kernels import SlipState
 from holonom.trace.call.records import layout_of, padded
@@ -68,9 +69,14 @@ CONTROL_STATE = padded(
         ("seen_vy", F),
         ("seen_w", F),
         ("gyro_bias", F),
+        ("skid_vx", F),  # of wheels that skid: by the balance of their friction
+        ("skid_vy", F),
+        ("skid_lean", F),  # rad, mean of the way that it goes against that which it looks
+        ("skid_more", F),  # part by which its wheels have to turn more than its effective track says
         ("command_vx", F),
         ("command_vy", F),
         ("command_w", F),
+        ("law", np.dtype((F, (NUMBERS,)))),  # numbers in and out of the path's law, and its memory
         ("integral_x", F),  # of the pose error, odom, m s
         ("integral_y", F),
         ("integral_theta", F),

@@ -10,6 +10,7 @@ from holonom.control.base.path_keeping import EstimateSettings, KeepingSettings
 from holonom.control.base.shaping import ShapingSettings
 from holonom.control.base.traction import TractionSettings, WatchSettings
 from holonom.errors import OutOfLimits, UnknownName
+from holonom.machine.base.laws import Law
 from holonom.mobile.drive.base_drive import BaseDrive, BaseSensors
 from holonom.mobile.drive.slip import SlipSettings
 
@@ -88,6 +89,9 @@ class BaseSettings:
         present currents is no slip.
     keep
         One of `KEEP`: what is kept where lost motors leave only one of them. "both" asks for both, and gets neither.
+    law
+        What `PATH_LAWS` makes: how a base that cannot move sideways keeps its path; None: Kanayama's with the gains of
+        `keeping`.
     friction
         Friction coefficient that the force asked of a wheel counts on.
 
@@ -107,6 +111,7 @@ class BaseSettings:
     friction: float = 0.6
     creep: Creep | None = None
     keep: str = "both"
+    law: Law | None = None
 
     def without_motors(self) -> BaseSettings:
         """Return the settings for drives that turn as they are told: no current tells of slip or of lost motors."""

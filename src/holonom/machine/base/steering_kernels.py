@@ -3,21 +3,39 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from holonom.arrays import Array
 from holonom.control.base.kernels import Planar
+from holonom.control.base.shaping_kernels import AxisShape, shaping_step
+from holonom.control.path_laws.contract import REST
 from holonom.devices.drive_signals import WheelSignals
 from holonom.trace.code.compiled import sincos
 from holonom.trace.code.loops import loop
 from holonom.trace.code.simd import WIDTH
 
-__all__ = ["SteeredParams", "bend", "look_at_wheels", "readiness", "share_along", "steer"]
+__all__ = [
+    "SteeredParams",
+    "allowed",
+    "bend",
+    "look_at",
+    "look_at_wheels",
+    "readiness",
+    "ready",
+    "rim_change",
+    "set_off",
+    "share_along",
+    "steer",
+    "steer_along",
+]
 
 STILL = 1e-3  # m/s of a contact, below which a wheel is not steered
+CRAWL = 0.03  # m/s of the reference, below which wheels are steered for it, not for its errors
+SET_OFF = 0.97  # readiness from which a base that stands drives on
+VELOCITY, PATH = 1, 0
 Integers = NDArray[np.int64]
 Records = NDArray[np.void]
 
@@ -31,6 +49,9 @@ class SteeredParams(NamedTuple):
     driven: Integers  # (m,) wheel of each driven row
     sliding: Integers  # (s,) wheel of each direction without sliding
     curvature: float  # 1/m of the tightest curve
+    reach: float  # m to the farthest wheel
+    turning: AxisShape  # of a wheel about its vertical axis: angle, rate, acceleration
+    dt: float
     ahead: float  # s by which set-points look ahead: the lag of the steering motors
 
 
@@ -88,19 +109,25 @@ def readiness(params: SteeredParams, twist: Planar, signals: WheelSignals) -> fl
 
 
 @loop(error_model="numpy")
-def steer(params: SteeredParams, twist: Planar, signals: WheelSignals) -> None:
-    """Ask for the angles at which the wheels roll with a twist, nearest modulo half a turn to those asked for last."""
+def steer(params: SteeredParams, twist: Planar, signals: WheelSignals, rates: Array) -> None:
+    """Ask for the angles at which the wheels roll with a twist, nearest modulo half a turn to those asked for last.
+
+    They change within rate and acceleration of the steering motors; `rates` (rad/s) are those of the set-points.
+    """
     for i in range(len(params.lanes)):
         lane = params.lanes[i]
         if lane < 0:
             continue
         vx, vy = twist.x - twist.turn * params.places[i, 1], twist.y + twist.turn * params.places[i, 0]
         if vx * vx + vy * vy < STILL * STILL:
+            rates[lane] = 0.0
             continue
         angle, limit = math.atan2(vy, vx) - params.places[i, 2], params.limits[i]
         near = signals.steering[lane] if limit > math.pi else 0.0
         angle -= math.pi * math.floor((angle - near) / math.pi + 0.5)
-        signals.steering[lane] = min(max(angle, -limit), limit)
+        signals.steering[lane], rates[lane] = shaping_step(
+            params.dt, params.turning, signals.steering[lane], rates[lane], min(max(angle, -limit), limit)
+        )
 
 
 @loop(error_model="numpy")
@@ -121,3 +148,108 @@ def share_along(rows: Array, weights: Array, twist: Planar, states: Records) -> 
         own.force_x[lane], own.force_y[lane], own.force_turn[lane] = (
             part * twist.x, part * twist.y, part * twist.turn
         )  # fmt: skip
+
+
+@loop(error_model="numpy", forceinline=True)
+def look_at(steered: SteeredParams | None, signals: WheelSignals, work: Any, wheels: Records) -> None:
+    """`look_at_wheels` where there are any that steer."""
+    if steered is not None:
+        look_at_wheels(steered, signals, work.rows, work.estimate_rows, wheels)
+
+
+@loop(error_model="numpy", forceinline=True)
+def allowed(steered: SteeredParams | None, drivable: Array, command: Planar) -> Planar:
+    """The command without what no steering makes wheels roll along."""
+    x = drivable[0, 0] * command.x + drivable[0, 1] * command.y + drivable[0, 2] * command.turn
+    y = drivable[1, 0] * command.x + drivable[1, 1] * command.y + drivable[1, 2] * command.turn
+    turn = drivable[2, 0] * command.x + drivable[2, 1] * command.y + drivable[2, 2] * command.turn
+    if steered is not None:
+        return bend(steered, Planar(x, y, turn))
+    return Planar(x, y, turn)
+
+
+@loop(error_model="numpy", forceinline=True)
+def ready(steered: SteeredParams | None, twist: Planar, signals: WheelSignals) -> float:
+    """Part of a twist that may be driven while its wheels are still being steered to it."""
+    if steered is not None:
+        return readiness(steered, twist, signals)
+    return 1.0
+
+
+@loop(error_model="numpy", forceinline=True)
+def steer_along(
+    steered: SteeredParams | None, drivable: Array, path: Array, base: Any, command: Planar, ahead: Planar,
+    signals: WheelSignals, work: Any, states: Records,
+) -> None:  # fmt: skip
+    """Steer for the twist that is to be, once the motors have followed; share force along it.
+
+    What a twist along axes that turn changes by is the centre's acceleration less `w x v`. Velocities are steered for
+    as they are asked for: what is driven of them waits for the wheels. On a path that hardly moves they are steered
+    for the path, where it stands for how it goes on: at cusps wheels turn before the base drives on.
+    """
+    if steered is not None:
+        t, w = steered.ahead, command.turn
+        x = command.x + t * (ahead.x + w * command.y)
+        y = command.y + t * (ahead.y - w * command.x)
+        turn = w + t * ahead.turn
+        if base.mode == VELOCITY:
+            x, y = base.shaped_vx + t * base.shaped_ax, base.shaped_vy + t * base.shaped_ay
+            turn = base.shaped_w + t * base.shaped_aw
+        elif base.mode == PATH and _size(steered, path[_sample(path, base.phase)]) < CRAWL:
+            next_twist = _coming(steered, path, base.phase)
+            x, y, turn = next_twist.x, next_twist.y, next_twist.turn
+        soon = allowed(steered, drivable, Planar(x, y, turn))
+        steer(steered, soon, signals, work.steering_rates)
+        share_along(work.rows, work.weights, soon, states)
+
+
+@loop(error_model="numpy", forceinline=True)
+def rim_change(steered: SteeredParams | None, wanted: Planar, twist: Planar) -> Planar:
+    """What rims of steered wheels change by: the acceleration along axes that turn, `a - w x v` (`mobile.wheel_rates`).
+
+    Bases that do not steer are fed the acceleration of the centre as it is.
+    """
+    if steered is not None:
+        return Planar(wanted.x + twist.turn * twist.y, wanted.y - twist.turn * twist.x, wanted.turn)
+    return wanted
+
+
+@loop(error_model="numpy", forceinline=True)
+def set_off(steered: SteeredParams | None, path: Array, base: Any, signals: WheelSignals) -> float:
+    """1, or 0 where a path is about to drive on from rest and its wheels are still being steered."""
+    go = 1.0
+    if steered is not None:
+        leaves = base.mode == PATH and _sets_off(steered, path, base.phase)
+        if leaves and readiness(steered, _coming(steered, path, base.phase), signals) < SET_OFF:
+            go = 0.0
+    return go
+
+
+@loop(error_model="numpy", forceinline=True)
+def _sets_off(steered: SteeredParams, path: Array, phase: float) -> bool:
+    """Whether a path stands and drives on with its next sample."""
+    k = _sample(path, phase)
+    return k < path.shape[0] - 1 and _size(steered, path[k]) <= REST < _size(steered, path[k + 1])
+
+
+@loop(error_model="numpy")
+def _coming(steered: SteeredParams, path: Array, phase: float) -> Planar:
+    """The way on which the path is, as fast as `CRAWL`; where it stands, the one on which it goes on; 0 at its end."""
+    k = _sample(path, phase)
+    while k < path.shape[0] - 1 and _size(steered, path[k]) <= REST:
+        k += 1
+    size = _size(steered, path[k])
+    if size <= REST:
+        return Planar(0.0, 0.0, 0.0)
+    return Planar(path[k, 3] * CRAWL / size, path[k, 4] * CRAWL / size, path[k, 5] * CRAWL / size)
+
+
+@loop(error_model="numpy", forceinline=True)
+def _sample(path: Array, phase: float) -> int:
+    return min(int(phase), path.shape[0] - 1)
+
+
+@loop(error_model="numpy", forceinline=True)
+def _size(steered: SteeredParams, row: Array) -> float:
+    """Speed, m/s, of a base and of its farthest wheel about it, together."""
+    return math.sqrt(row[3] * row[3] + row[4] * row[4]) + steered.reach * abs(row[5])

@@ -8,7 +8,7 @@ from holonom.devices import DcMotor, Encoder, Gear
 from holonom.errors import ModelError
 from holonom.mechanics.arm.sized_drives import sized_motor
 from holonom.mobile.base.wheel_base import WheelBase
-from holonom.mobile.drive.base_drive import BaseDrive
+from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive
 
 __all__ = ["sized_base_drive"]
 
@@ -16,6 +16,7 @@ SUPPLY = 24.0
 """V, of a battery."""
 WHEEL_DENSITY = 1500.0
 """kg/m3 of a drawn wheel, a cylinder as wide as its radius."""
+GRIP = 0.8  # of a dry floor
 RESERVE = 2.0
 """Force of the wheels over what the acceleration takes: for turning at once, friction and a wheel that slips."""
 
@@ -24,7 +25,7 @@ def sized_base_drive(base: WheelBase, speed: float, acceleration: float) -> Base
     """Return what drives each wheel of a base, so that it reaches a speed (m/s) and an acceleration (m/s2).
 
     The fastest wheel is that of a base which moves at `speed` in any direction, or turns so fast that its rim does;
-    each motor's torque limit gives twice its share of the force.
+    each motor's torque limit gives twice its share of the force, and what drags skidding wheels across as it turns.
 
     Raises
     ------
@@ -37,7 +38,7 @@ def sized_base_drive(base: WheelBase, speed: float, acceleration: float) -> Base
         raise ModelError(f"speed {speed!r} m/s and acceleration {acceleration!r} m/s2 came; both must be positive")
     radius = float(np.min(base.wheel_radii))
     wheel_speed = speed * _gearing(base) / radius
-    torque = RESERVE * base.mass * acceleration * float(np.max(base.wheel_radii)) / len(base.driven)
+    torque = base.mass * (RESERVE * acceleration + _dragging(base)) * float(np.max(base.wheel_radii)) / len(base.driven)
     motor = sized_motor(wheel_speed, torque, base.mass * radius**2 / len(base.driven), SUPPLY)
     sheet = DcMotor(
         motor.resistance, motor.inductance, motor.torque_constant, motor.torque_constant, motor.rotor_inertia,
@@ -45,6 +46,15 @@ def sized_base_drive(base: WheelBase, speed: float, acceleration: float) -> Base
     )  # fmt: skip
     inertia = 0.5 * WHEEL_DENSITY * np.pi * radius**5
     return BaseDrive(sheet, Gear(motor.gear_ratio), Encoder(motor.encoder_counts), wheel_inertia=float(inertia))
+
+
+def _dragging(base: WheelBase) -> float:
+    """Sum of rim forces, over the mass, that turns a base on the spot whose wheels all slide across, m/s^2."""
+    places = np.array([(wheel.x, wheel.y) for wheel in base.wheels if wheel.kind == "skid"])
+    if not len(places):
+        return 0.0
+    along, aside = np.abs(places - places.mean(axis=0)).mean(axis=0)
+    return float(GRIP * GRAVITY * along / aside)
 
 
 def _gearing(base: WheelBase) -> float:

@@ -10,7 +10,7 @@ from numba.extending import intrinsic
 
 from holonom.trace.call.direct import placed
 
-__all__ = ["call_kernel", "call_rows", "table_at"]
+__all__ = ["call_kernel", "call_rows", "call_step", "table_at"]
 
 LONG = ir.IntType(64)
 
@@ -39,6 +39,23 @@ def _call_rows(context: Any, address: Any, places: Any, first: Any, last: Any) -
     return types.float64(types.int64, types.int64, types.int64, types.int64), generate
 
 
+def _call_step(context: Any, address: Any, settings: Any, rows: Any, numbers: Any) -> Any:
+    """Call `void(void*, double*, int64, double*)` at `address` on the data of three arrays; the second's length."""
+
+    def generate(ctx: Any, builder: Any, signature: Any, args: Any) -> Any:
+        byte, double = ir.PointerType(ir.IntType(8)), ir.PointerType(ir.DoubleType())
+        function = ir.FunctionType(ir.VoidType(), [byte, double, LONG, double])
+        given, path, io = (
+            ctx.make_array(t)(ctx, builder, a) for t, a in zip(signature.args[1:], args[1:], strict=True)
+        )
+        count = builder.extract_value(path.shape, 0)
+        data = [builder.bitcast(given.data, byte), path.data, count, io.data]
+        builder.call(builder.inttoptr(args[0], ir.PointerType(function)), data)
+        return ctx.get_dummy_value()
+
+    return types.void(types.int64, settings, rows, numbers), generate
+
+
 def _table_at(context: Any, address: Any, rows: Any, width: Any, dtype: Any) -> Any:
     kind = types.Array(dtype.dtype, 2, "C")
 
@@ -53,5 +70,7 @@ call_kernel: Any = intrinsic(_call_kernel)
 """`call_kernel(address, inputs, outputs)`: address from `Kernel.address`, C-contiguous float64 arrays in a row."""
 call_rows: Any = intrinsic(_call_rows)
 """`call_rows(address, places, first, last)`: address from `Kernel.rows`; at `places`, the arrays' addresses."""
+call_step: Any = intrinsic(_call_step)
+"""`call_step(address, settings, rows, numbers)`: a step compiled by `callback`; settings are bytes."""
 table_at: Any = intrinsic(_table_at)
 """`table_at(address, rows, width, dtype)`: the array (rows, width) that lies there, C-contiguous and not owned."""

@@ -16,10 +16,13 @@ from holonom.app.cell.model.tasks import FAULTS, PathTable, StartTable
 from holonom.app.job import BaseJob, PathTolerance, Task
 from holonom.app.report.findings.base_outline import margin_of
 from holonom.arrays import Array
+from holonom.control.base.path_keeping import KeepingSettings
 from holonom.control.base.shaping import ShapingSettings
+from holonom.control.path_laws.mpc import LinearMpc
 from holonom.devices import DcMotor, Encoder, Friction, Gear, SteeringMotor
 from holonom.errors import CellError, InputError, ModelError
 from holonom.machine import PATHS, BaseSettings, PathLimits, ReferencePath, plan_path
+from holonom.machine.base.laws import Law, fitted_law, limited_law, usual_law
 from holonom.mobile import BaseDrive, BaseSensors, WheelBase
 from holonom.mobile.base.drivable import moves_sideways
 from holonom.mobile.curves import Curves
@@ -38,6 +41,13 @@ AROUND = np.radians(10.0)  # that the heading may be off where the cell says not
 CORNER = 0.2  # rad, of arcs that the box of commanded velocities is measured by
 BESIDE = 0.05  # of the larger side of a path's box, that a base may be off it where the cell says nothing
 EVERY = 20  # samples of a path, of which one is looked at
+LAW_LIMITS = {
+    "speed": "max_speed",
+    "acceleration": "max_acceleration",
+    "turn_rate": "max_turn_rate",
+    "turn_acceleration": "max_turn_acceleration",
+}
+"""Limits of a cell, as a law of paths calls them."""
 ASTRAY = 1e-3  # m/s by which wheels may be dragged
 AWAY = 1e-3  # m and rad that the start of a path may lie beside the pose that a cell states
 
@@ -90,8 +100,11 @@ def build_base_job(cell: Cell, number: int, path: Path, sensors: BaseSensors) ->
         task = _task(robot)
         key = "limits"
         settings = _settings(robot, sensors)
+        key = "law"
+        settings = dataclasses.replace(settings, law=_law(robot, base, task.path))
     except InputError as problem:
-        raise CellError(f"{place_in(path, *at, key)}: {problem}") from None
+        keys = ("path", key) if key == "law" else (key,)
+        raise CellError(f"{place_in(path, *at, *keys)}: {problem}") from None
     notes += told
     if task.path is not None:
         notes += _check_path(robot, task, path, at)
@@ -182,6 +195,41 @@ def _settings(robot: Robot, sensors: BaseSensors) -> BaseSettings:
         traction=settings.traction if parts.traction_control else None,
         watch=settings.watch if parts.dead_motor_compensation else None,
         keep=robot.path.keep if robot.path is not None else settings.keep,
+    )
+
+
+def _law(robot: Robot, base: WheelBase, planned: ReferencePath | None) -> Law | None:
+    """The law of its path within the limits that the cell states; None where nothing is stated of either.
+
+    Raises
+    ------
+    CellError
+        A path that passes limits of the law that was chosen.
+    ModelError
+        A law for a base that moves sideways.
+    MissingExtra
+        A law whose library is not installed.
+    """
+    if robot.path is None or planned is None:
+        return None
+    chosen, limits = robot.path.law, robot.limits
+    assert isinstance(limits, BaseLimits)
+    if chosen is None and (moves_sideways(base) or not set(LAW_LIMITS) & limits.model_fields_set):
+        return None
+    law: Law = usual_law(KeepingSettings()) if chosen is None else chosen.make()
+    fitted_law(law, base, KeepingSettings(), np.inf)
+    if isinstance(law, LinearMpc):
+        law.check_library()
+    asked = {"speed": np.abs(planned.twist[:, 0]).max(), "turn_rate": np.abs(planned.twist[:, 2]).max()}
+    for key, most in asked.items():
+        allowed = getattr(law.settings, LAW_LIMITS[key])
+        if chosen is not None and most > allowed * (1.0 + 1e-6):
+            raise CellError(
+                f"{LAW_LIMITS[key]} of {chosen.name} is {allowed:g}; the path asks for {most:.4g}: drive it slower, or "
+                f"state {LAW_LIMITS[key]}"
+            )
+    return limited_law(
+        law, {LAW_LIMITS[key]: getattr(limits, key) for key in LAW_LIMITS if key in limits.model_fields_set}
     )
 
 

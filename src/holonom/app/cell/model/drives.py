@@ -129,6 +129,16 @@ class BaseLimits(Section):
     """greatest angular acceleration"""
     turn_jerk: Annotated[float, Quantity("angular jerk", "0.1deg/s3", "1000000rad/s3")] = 200.0
     """greatest angular jerk"""
+    side_speed: Annotated[float | None, Quantity("speed", "1mm/s", "20m/s")] = None
+    """greatest speed along y, where it is another one"""
+    side_acceleration: Annotated[float | None, Quantity("acceleration", "1mm/s2", "100m/s2")] = None
+    """greatest acceleration along y, where it is another one"""
+    side_jerk: Annotated[float | None, Quantity("jerk", "1mm/s3", "1000000m/s3")] = None
+    """greatest jerk along y, where it is another one"""
+    dead_band: Annotated[float, Quantity("speed", "0mm/s", "1m/s")] = 0.0
+    """speed below which, and below `turn_dead_band`, velocities are rest"""
+    turn_dead_band: Annotated[float, Quantity("angular speed", "0deg/s", "360deg/s")] = 0.0
+    """turning speed below which, and below `dead_band`, velocities are rest"""
     timeout: Annotated[float, Quantity("time", "20ms", "1440min")] = 0.2
     """time after which velocities that are not asked for again are no longer followed"""
 

@@ -7,7 +7,9 @@ from typing import Annotated, Any
 
 from pydantic import Field, Strict, ValidationInfo, field_validator, model_validator
 
+from holonom.app.fields.methods import Chosen, OneMethod
 from holonom.app.fields.quantities import Angle, Count, Length, OneOf, OwnFile, Quantity, Section, Size, Text, Vector2
+from holonom.control import PATH_LAWS
 from holonom.errors import CellError
 from holonom.machine.base.paths import HEADINGS, PATHS
 from holonom.machine.base.settings import KEEP
@@ -94,6 +96,10 @@ class PathTable(Section):
     keep: Annotated[str, OneOf(KEEP)] = "both"
     """what is kept once motors are lost and the others cannot hold both: the path, the heading; both are asked unless
     given, so that such a run fails"""
+
+    law: Annotated[Chosen | None, OneMethod(PATH_LAWS)] = None
+    """how a base that cannot move sideways keeps it: its name, or { kind = "stanley", gain = ... }; Kanayama's unless
+    given. Its limits are those of `limits` and of the base unless it has its own"""
 
     @model_validator(mode="after")
     def _size_or_points(self) -> PathTable:
