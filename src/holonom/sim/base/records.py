@@ -32,6 +32,7 @@ WHEEL = np.dtype(
         ("share_x", F),
         ("share_y", F),
         ("inertia", F),  # wheel and geared rotor, kg m2
+        ("coupled", F),  # that a pitching body shares with it: I + N J of wheel and rotor, kg m2
         ("torque_constant", F),  # N m/A
         ("turns", F),  # 1 or 0: about its vertical axis, as a steered wheel and a castor do
         ("servo", F),  # 1 or 0: a motor turns it
@@ -104,6 +105,9 @@ BODY_STATE = padded(
         ("ax", F),  # the same, m/s2 and rad/s2
         ("ay", F),
         ("aw", F),
+        ("pitch", F),  # of a body that balances, forwards, rad; rad/s; rad/s2
+        ("pitch_rate", F),
+        ("pitch_acceleration", F),
         ("down_x", F),  # gravity along the floor, along the axes of base_link, m/s2; set anew each millisecond
         ("down_y", F),
         ("light", I),  # 1 or 0: no loads of its wheels carry it
@@ -125,11 +129,12 @@ BODY_SAMPLE = np.dtype(
     [
         (name, F)
         for name in (
-            "x", "y", "theta", "vx", "vy", "w", "ax", "ay", "supplied", "heat", "airgap", "drag", "ground",
+            "x", "y", "theta", "vx", "vy", "w", "ax", "ay", "supplied", "heat", "airgap", "drag", "ground", "pitch",
+            "pitch_rate",
         )
     ]
 )  # fmt: skip
-"""base_link at one millisecond: pose and twist; acceleration of the centre of mass along its axes; energies."""
+"""base_link at one millisecond: pose and twist; acceleration of the centre of mass along its axes; energies; pitch."""
 
 WHEEL_SAMPLE = np.dtype(
     [
