@@ -15,8 +15,8 @@ from holonom.mobile.arrangements import omni, segway
 from holonom.mobile.drive.base_drive import BaseDrive
 from holonom.model.gravity import GRAVITY
 from holonom.numeric.small_kernels import solve_positive3
-from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch
 from holonom.sim.base.contact_kernels import slip_friction
+from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch
 from holonom.sim.base.kernels import BLOCKED, DEAD, _friction, break_motor
 from holonom.sim.base.plant import BaseFault, BasePlant
 

@@ -131,7 +131,7 @@ class BaseJob:
 
     `drives` is "motors", "from_limits" or "ideal"; `pose` (3,) x, y, theta is where it starts; `sensors` are its
     inertial sensors as they err, and are known to; `frames` are T (4, 4) of the frames that other robots stand on;
-    `levels` say how often points of its path come.
+    `levels` say how often points of its path come; `lean` is the pitch (rad) at which a body that balances starts.
     """
 
     name: str
@@ -145,6 +145,7 @@ class BaseJob:
     faults: tuple[BaseFault, ...]
     frames: Mapping[str, Array]
     levels: Levels = field(default_factory=Levels)
+    lean: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

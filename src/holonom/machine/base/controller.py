@@ -17,6 +17,8 @@ from holonom.control.base.tuning import WheelLoop, tune_wheel
 from holonom.devices import tracking_params
 from holonom.devices.drive_signals import WheelSignals
 from holonom.errors import ShapeError
+from holonom.machine.base.balance_kernels import BalanceParams
+from holonom.machine.base.balancing import balance_params, leaning_path, pendulum_of
 from holonom.machine.base.kernels import HOLD, PATH, RUNNING, VELOCITY, control_step
 from holonom.machine.base.params import BaseParams, BaseTask, Work
 from holonom.machine.base.records import CONTROL_STATE, KNOWN_WHEEL, SEEN_WHEEL
@@ -44,8 +46,9 @@ RATE_CHANGE = 1.0  # 1/s, how fast a path is slowed down
 COULOMB_SMOOTHING = 2.0  # rad/s of the motor, below which friction that is fed forward goes over into its opposite
 FIRST = {"both": (1.0, 1.0, 1.0), "path": (1.0, 1.0, 0.03), "heading": (0.03, 0.03, 1.0)}
 """Weights of force and torque / R, where lost motors cannot make both."""
+LEANING_PULL = 5.0  # m/s2 that wheels correct the estimate of a body by whose accelerometers lean with it
 LEAST_LOAD = 1e-3  # part of the weight below which a wheel carries nothing to speak of
-NO_PATH = np.zeros((0, 9))
+NO_PATH, NO_LEAN = np.zeros((0, 9)), np.zeros((0, 3))
 
 
 class BaseController:
@@ -99,7 +102,7 @@ class BaseController:
             np.ones(trusted), self.params.bearing.copy(), np.zeros((len(driven), 3)), np.zeros(max(lanes, trusted)),
             np.zeros(lanes), np.zeros(lanes), np.full(3, np.nan), np.zeros(9),
         )  # fmt: skip
-        self.task = BaseTask(NO_PATH)
+        self.task = BaseTask(NO_PATH, NO_LEAN)
         if self.params.steered is None:
             share_force(self.params.pull_rows, self.params.pull, self.work.weights, self.work.share, self.states)
         slip = self.state["slip"][0]
@@ -124,6 +127,9 @@ class BaseController:
                 state[f"seen_{name}"] = value
         for name in ("vx", "vy", "w"):
             state[f"command_{name}"] = state[f"shaped_{name}"] = state[f"seen_{name}"]
+        if self.params.balance is not None:  # at rest it hangs on what its accelerometers show
+            state["seen_pitch"] = -math.atan2(signals.inertial[1], signals.inertial[4])
+            state["seen_pitch_rate"], state["pitch_bias"], state["seen_along"] = 0.0, 0.0, twist[0]
         states["count"].flat[:] = (signals.counters + 0x8000) % 0x10000 - 0x8000
         states["seen_angle"] = states["counted"] = (states["count"] + 0.5) * self.wheels["encoder"]["resolution"]
         if self.params.steered is not None:
@@ -167,7 +173,7 @@ class BaseController:
         rows = np.ascontiguousarray(real_array("a path", path))
         if rows.ndim != 2 or rows.shape[1] != 9 or len(rows) == 0 or not np.isfinite(rows).all():
             raise ShapeError(f"a path has shape {rows.shape}; it must be (N, 9) with N of at least 1, finite")
-        self.task = BaseTask(rows)
+        self.task = BaseTask(rows, self._lean(rows))
         self._do(PATH)
         self.state["phase"] = 0.0
 
@@ -196,8 +202,17 @@ class BaseController:
         for name in ("x", "y", "theta"):
             self.state[f"hold_{name}"] = self.state[f"seen_{name}"]
 
+    def _lean(self, path: Array) -> Array:
+        """How a body that balances leans along a path (N, 9)."""
+        if self.params.balance is None:
+            return NO_LEAN
+        return leaning_path(pendulum_of(self.base, self.drive, self.params.balance.gains.max_force), path[:, 6], TICK)
+
     def _do(self, mode: int) -> None:
         state = self.state
+        for name in ("ahead_of", "led_rate", "led_change", "led_turn_rate", "led_turn_change"):
+            state[name] = 0.0
+        state["led"], state["led_turn"] = state["seen_along"], state["seen_w"]
         state["mode"], state["ended"] = mode, RUNNING
         for name in ("integral_x", "integral_y", "integral_theta"):
             state[name] = 0.0
@@ -227,7 +242,7 @@ def _params(
     most = _max_force(drive, radii, cosines * bearing, settings.friction)
     coupling = coupling_at_rest(base)
     inverse = np.linalg.pinv(coupling.velocity)
-    slip = settings.slip if not base.steered and detectable(coupling) else None
+    slip = settings.slip if not (base.steered or base.balances) and detectable(coupling) else None
     if isinstance(slip, str):
         slip = slip_settings(settings.sensors, drive, float(radii.max()))
     slipping = slip_params(coupling, slip) if slip is not None else _no_slip_params(len(rows))
@@ -245,6 +260,7 @@ def _params(
         watch=(settings.watch or WatchSettings()).params(TICK),
         slip=slipping,
         steered=_steered_params(base, drive) if base.steered else None,
+        balance=_balance(base, drive, settings, most),
         drivable=np.ascontiguousarray(drivable),
         residual=np.eye(len(rows)) - coupling.velocity @ inverse,
         inverse=np.ascontiguousarray(inverse),
@@ -268,6 +284,13 @@ def _params(
     )
 
 
+def _balance(base: WheelBase, drive: BaseDrive, settings: BaseSettings, most: Array) -> BalanceParams | None:
+    """What keeps a body up, with the largest forces (m,) of its rims."""
+    if not base.balances or settings.balance is None:
+        return None
+    return balance_params(base, drive, settings.balance, float(most.sum()), TICK)
+
+
 def _wheel_of_row(base: WheelBase) -> list[int]:
     """Which driven wheel each driven row belongs to: a ball has two."""
     driven = [wheel for wheel in base.wheels if wheel.driven]
@@ -277,6 +300,8 @@ def _wheel_of_row(base: WheelBase) -> list[int]:
 def _estimate_params(base: WheelBase, settings: BaseSettings) -> EstimateParams:
     """Wheels that skid do not tell how fast the base turns, so nothing of the gyro's zero."""
     params = settings.estimate.params(TICK)
+    if base.balances:  # its accelerometers lean with it
+        params = params._replace(max_pull=LEANING_PULL)
     return params._replace(bias_gain=0.0) if any(wheel.kind == "skid" for wheel in base.wheels) else params
 
 

@@ -25,6 +25,16 @@ from holonom.control.base.kernels import (
 from holonom.control.base.shaping_kernels import drivable_twist, shaping_step
 from holonom.control.path_laws.kanayama import line_keeping_step
 from holonom.devices.drive_signals import WheelSignals
+from holonom.machine.base.balance_kernels import (
+    HOLD,
+    PATH,
+    VELOCITY,
+    balance,
+    lead,
+    look_at_pitch,
+    turn_with_body,
+    weigh_wheels,
+)
 from holonom.machine.base.params import BaseParams, BaseTask, Work
 from holonom.machine.base.steering_kernels import SteeredParams, bend, look_at_wheels, readiness, share_along, steer
 from holonom.machine.base.wheel_kernels import (
@@ -59,8 +69,6 @@ __all__ = [
     "say",
 ]
 
-PATH, VELOCITY, HOLD = 0, 1, 2
-"""What a base does: it keeps a path, follows velocities, holds its pose."""
 RUNNING, DONE, STOPPED = 0, 1, 2
 """How far its path is: under way, at its end, stopped by a jammed wheel."""
 KEEP_BOTH, KEEP_PATH, KEEP_HEADING = 0, 1, 2
@@ -82,8 +90,11 @@ def control_step(
     """From what is measured to voltages, in `signals`; all that evolves is in `state`, `states` and `work`."""
     base = state[0]
     base.gyro, base.imu_x, base.imu_y = signals.inertial[0], signals.inertial[1], signals.inertial[2]
+    look_at_pitch(params.balance, base, signals)
     _look(params.steered, signals, work, wheels)
     _sense(params, signals, wheels, states, work)
+    turn_with_body(params.balance, base, states, work.rims, work.gripping)
+    weigh_wheels(params.balance, work.rows, base, work.rims)
     _detect(params, base, work)
     _react(params, task.path, base, wheels, states, work)
     change = max(min((base.goal - base.rate) / params.keeping.dt, params.rate_change), -params.rate_change)
@@ -96,7 +107,7 @@ def control_step(
     wanted = wanted_acceleration(params.keeping, command, twist, ahead)
     if base.rate <= 0.0:  # the base had to stop: hold the wheels
         command = wanted = Planar(0.0, 0.0, 0.0)
-    _drive(params, signals, command, wanted, twist, wheels, states)
+    _drive(params, task, signals, base, command, wanted, twist, wheels, states, work.now)
     base.phase += base.rate
     base.rate += params.keeping.dt * change
     base.stood = base.stood + 1 if base.rate <= 0.0 else 0
@@ -118,6 +129,7 @@ def say(base: Any, wheels: Records, states: Records, row: Any, rows: Array) -> N
     row.ref_x, row.ref_y, row.ref_theta = base.ref_x, base.ref_y, base.ref_theta
     row.ref_vx, row.ref_vy, row.ref_w, row.ref_rate = base.ref_vx, base.ref_vy, base.ref_w, base.ref_rate
     row.gyro, row.imu_x, row.imu_y = base.gyro, base.imu_x, base.imu_y
+    row.seen_pitch = base.seen_pitch
     row.status, row.flagged, row.dead, row.jams = base.status, base.flagged, base.dead, base.jams
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])
@@ -212,6 +224,7 @@ def _shape(params: BaseParams, base: Any, signals: WheelSignals, rows: Array, no
     now[8] = base.shaped_aw
     for j in range(6, 9):
         now[j] *= part
+    lead(params.balance, base, now)
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -322,11 +335,13 @@ def _given_up(params: BaseParams, base: Any, command: Planar, twist: Planar) -> 
 
 @loop(error_model="numpy", forceinline=True)
 def _drive(
-    params: BaseParams, signals: WheelSignals, command: Planar, wanted: Planar, twist: Planar,
-    wheels: Records, states: Records,
+    params: BaseParams, task: BaseTask, signals: WheelSignals, base: Any, command: Planar, wanted: Planar,
+    twist: Planar, wheels: Records, states: Records, now: Array,
 ) -> None:  # fmt: skip
     """Rim speeds and forces for a twist and an acceleration of the base; voltages from them."""
     force = wrench_of(params.body, wanted, twist.turn)
+    if balance(params.balance, base, task.lean, now, wanted, signals, wheels, states, command, force):
+        return
     part = driven_part(wheels, states, force)
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])

@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from holonom.control.balance.contract import BalanceLaw
+from holonom.control.balance.lqr import LqrBalance
 from holonom.control.base.path_keeping import EstimateSettings, KeepingSettings
 from holonom.control.base.shaping import ShapingSettings
 from holonom.control.base.traction import TractionSettings, WatchSettings
@@ -88,6 +90,8 @@ class BaseSettings:
         present currents is no slip.
     keep
         One of `KEEP`: what is kept where lost motors leave only one of them. "both" asks for both, and gets neither.
+    balance
+        Law of a body that balances; None: it is held upright, by ideal drives.
     friction
         Friction coefficient that the force asked of a wheel counts on.
 
@@ -107,10 +111,11 @@ class BaseSettings:
     friction: float = 0.6
     creep: Creep | None = None
     keep: str = "both"
+    balance: BalanceLaw | None = field(default_factory=LqrBalance)
 
     def without_motors(self) -> BaseSettings:
         """Return the settings for drives that turn as they are told: no current tells of slip or of lost motors."""
-        return replace(self, slip=None, traction=None, watch=None)
+        return replace(self, slip=None, traction=None, watch=None, balance=None)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.friction < math.inf:

@@ -26,6 +26,7 @@ from holonom.mobile.curves import Curves
 from holonom.mobile.drive.sized import sized_base_drive
 from holonom.mobile.odometry import integrate
 from holonom.sim import BaseFault
+from holonom.sim.base.balancing import FALLEN
 from holonom.sim.base.plant import simulated_lanes
 from holonom.spatial import pose
 
@@ -90,12 +91,15 @@ def build_base_job(cell: Cell, number: int, path: Path, sensors: BaseSensors) ->
         task = _task(robot)
         key = "limits"
         settings = _settings(robot, sensors)
+        key = "pose"
+        lean = _lean(robot)
     except InputError as problem:
         raise CellError(f"{place_in(path, *at, key)}: {problem}") from None
     notes += told
     if task.path is not None:
         notes += _check_path(robot, task, path, at)
     _check_stand(base, path, at)
+    _check_balance(base, path, at)
     start = _start(robot, task.path, path, at)
     why = unsimulated(base)
     if why is not None:
@@ -105,7 +109,7 @@ def build_base_job(cell: Cell, number: int, path: Path, sensors: BaseSensors) ->
     faults = tuple(BaseFault(f.time, f.wheel, FAULTS[f.kind]) for f in cell.fault if cell.robot_of(f.robot) is robot)
     frames = {"base_link": np.eye(4), "top": pose((0.0, 0.0, deck_height(base)))}
     levels = levels_of(robot.levels, place_in(path, "robot", number, "levels"))
-    job = BaseJob(robot.name, base, drive, drives, settings, sensors, start, task, faults, frames, levels)
+    job = BaseJob(robot.name, base, drive, drives, settings, sensors, start, task, faults, frames, levels, lean)
     return job, tuple(f"{called}: {note}" for note in notes)
 
 
@@ -182,7 +186,26 @@ def _settings(robot: Robot, sensors: BaseSensors) -> BaseSettings:
         traction=settings.traction if parts.traction_control else None,
         watch=settings.watch if parts.dead_motor_compensation else None,
         keep=robot.path.keep if robot.path is not None else settings.keep,
+        balance=settings.balance if robot.balance is None else robot.balance.make(),
     )
+
+
+def _check_balance(base: WheelBase, path: Path, at: tuple[str | int, ...]) -> None:
+    """Refuse a body that is to balance and hangs from its axle."""
+    if base.balances and not base.com_height > min(base.wheel_radii):
+        height, axle = 1e3 * base.com_height, 1e3 * min(base.wheel_radii)
+        raise CellError(
+            f"{place_in(path, *at, 'model', 'height')}: {height:g} mm came; a body that balances has its centre of "
+            f"mass above its axle, which lies at {axle:g} mm"
+        )
+
+
+def _lean(robot: Robot) -> float:
+    """How far a body that balances leans forwards at the start, rad."""
+    lean = 0.0 if robot.pose is None else robot.pose.pitch
+    if abs(lean) >= FALLEN:
+        raise CellError(f"pitch {np.degrees(lean):g}deg came; beyond {np.degrees(FALLEN):g}deg it has fallen")
+    return lean
 
 
 def _task(robot: Robot) -> Task:
