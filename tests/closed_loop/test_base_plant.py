@@ -11,7 +11,7 @@ from simulated_bases import BASES, DRIVE, LOSSLESS, soccer
 from holonom.devices.kernels import friction_torque
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile import Wheel, WheelBase
-from holonom.mobile.arrangements import omni, segway
+from holonom.mobile.arrangements import omni
 from holonom.mobile.drive.base_drive import BaseDrive
 from holonom.model.gravity import GRAVITY
 from holonom.numeric.small_kernels import solve_positive3
@@ -248,8 +248,6 @@ def test_solver(seed: int) -> None:
 def test_bad_input() -> None:
     with pytest.raises(ModelError, match="no mass"):
         BasePlant(omni(n=3, radius=0.1, wheel_radius=0.03), DRIVE)
-    with pytest.raises(ModelError, match="not simulated yet"):
-        BasePlant(segway(0.3, 0.05, mass=3.0), DRIVE)
     with pytest.raises(ModelError, match=r"ball 1.*spherical; simulated are"):
         BasePlant(WheelBase([Wheel.at("spherical", 0.0, 0.0, radius=0.1, driven=True, name="ball 1")], mass=1.0), DRIVE)
     with pytest.raises(UnknownName, match="steered wheel"):

@@ -35,6 +35,7 @@ __all__ = ["build_base_job", "deck_height", "refuse_unsimulated", "unsimulated"]
 DECK = 2.6
 """Height of a drawn deck over the radius of the largest wheel."""
 LEAST = 0.01  # m that it may be off in any case
+UNDER = 0.2  # m that a base which balances may roll while it holds its place
 AROUND = np.radians(10.0)  # that the heading may be off where the cell says nothing
 CORNER = 0.2  # rad, of arcs that the box of commanded velocities is measured by
 BESIDE = 0.05  # of the larger side of a path's box, that a base may be off it where the cell says nothing
@@ -99,7 +100,7 @@ def build_base_job(cell: Cell, number: int, path: Path, sensors: BaseSensors) ->
     if task.path is not None:
         notes += _check_path(robot, task, path, at)
     _check_stand(base, path, at)
-    _check_balance(base, path, at)
+    notes += _check_balance(robot, base, path, at)
     start = _start(robot, task.path, path, at)
     why = unsimulated(base)
     if why is not None:
@@ -190,14 +191,20 @@ def _settings(robot: Robot, sensors: BaseSensors) -> BaseSettings:
     )
 
 
-def _check_balance(base: WheelBase, path: Path, at: tuple[str | int, ...]) -> None:
-    """Refuse a body that is to balance and hangs from its axle."""
-    if base.balances and not base.com_height > min(base.wheel_radii):
+def _check_balance(robot: Robot, base: WheelBase, path: Path, at: tuple[str | int, ...]) -> tuple[str, ...]:
+    """Refuse a body that is to balance and hangs from its axle; say by what it balances."""
+    if not base.balances:
+        return ()
+    if not base.com_height > min(base.wheel_radii):
         height, axle = 1e3 * base.com_height, 1e3 * min(base.wheel_radii)
         raise CellError(
             f"{place_in(path, *at, 'model', 'height')}: {height:g} mm came; a body that balances has its centre of "
             f"mass above its axle, which lies at {axle:g} mm"
         )
+    if robot.drives == "ideal":
+        return ("ideal drives hold its body upright",)
+    law = "lqr" if robot.balance is None else robot.balance.name
+    return (f"its body balances by {law}, its centre of mass {1e3 * base.com_height:g} mm high",)
 
 
 def _lean(robot: Robot) -> float:
@@ -224,7 +231,8 @@ def _task(robot: Robot) -> Task:
         way = integrate(np.vstack([np.zeros(3), steps]))
         return dataclasses.replace(found, velocities=rows, tolerance=PathTolerance(beside(way), AROUND))
     hold = robot.hold if robot.hold is not None else 0.0
-    return dataclasses.replace(found, hold=hold, tolerance=PathTolerance(LEAST, AROUND))
+    least = UNDER if robot.source.base.balances else LEAST
+    return dataclasses.replace(found, hold=hold, tolerance=PathTolerance(least, AROUND))
 
 
 def beside(poses: Array) -> float:
