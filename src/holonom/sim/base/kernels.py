@@ -19,6 +19,7 @@ from holonom.arrays import Array
 from holonom.devices.kernels import armature_step
 from holonom.numeric.contact_loads import pushing_loads_at
 from holonom.numeric.small_kernels import solve_positive3, solve_positive4
+from holonom.sim.base.climb_kernels import climb
 from holonom.sim.base.contact_kernels import chosen, held, roller_forces, tyre_forces
 from holonom.sim.base.lean_kernels import LeanParams, leaning_terms, leaning_weight
 from holonom.sim.base.swing_kernels import cosine_sine, swing, swung, turn_on
@@ -74,21 +75,21 @@ def break_motor(states: Any, lane: int, kind: int) -> None:
 @loop(error_model="numpy", fastmath=FLAGS)
 def plant_steps(
     body: Any, state: Any, wheels: Records, states: Records, supports: Supports, turning: int | None,
-    lean: LeanParams | None,
+    lean: LeanParams | None, steps: Records | None,
 ) -> None:  # fmt: skip
     """Advance body and wheels by `body.substeps` steps of `body.dt`, in place.
 
     Four wheels are a record of `packed` numbers. `turning` is None where no wheel turns about its vertical axis, `lean`
-    where the body does not balance: what is there for those is then not even compiled.
+    where the body does not balance, `steps` where the floor has none: what is there for those is not even compiled.
     """
     for _ in range(body.substeps):
-        _step(body, state, wheels, states, supports, turning, lean)
+        _step(body, state, wheels, states, supports, turning, lean, steps)
 
 
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _step(
     body: Any, state: Any, wheels: Records, states: Records, supports: Supports, turning: int | None,
-    lean: LeanParams | None,
+    lean: LeanParams | None, steps: Records | None,
 ) -> None:  # fmt: skip
     """Forces from the slip at the end of the step, to first order; wheels are eliminated, the body's 3 x 3 is left.
 
@@ -105,6 +106,9 @@ def _step(
         terms = leaning_terms(lean, state)
         xp, yw, ww, pp = body.mass * terms.up, body.mass * terms.ahead, terms.turning, terms.pitching
         bx, by, bw, bp = bx + h * terms.x, by + h * terms.y, h * terms.turn, h * terms.pitch
+    if steps is not None:
+        climb(steps, body, state, wheels, states)
+        bx, by, bw = bx + h * state.push_x, by + h * state.push_y, bw + h * state.push_turn
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])
         torque, damping = _motor(wheel, own, h)
@@ -141,10 +145,10 @@ def _step(
         own.along, own.across, own.along_stiffness, own.across_stiffness = along, across, kl, kx
     if lean is not None:
         dx, dy, dw, dp = solve_positive4((xx, yy, ww, xy, xw, yw), (xp, yp, wp, pp), (bx, by, bw, bp))
-        _advance(body, state, wheels, states, dx, dy, dw, dp, turning, lean)
+        _advance(body, state, wheels, states, dx, dy, dw, dp, turning, lean, steps)
     else:
         dx, dy, dw = solve_positive3(xx, yy, ww, xy, xw, yw, bx, by, bw)
-        _advance(body, state, wheels, states, dx, dy, dw, 0.0, turning, lean)
+        _advance(body, state, wheels, states, dx, dy, dw, 0.0, turning, lean, steps)
 
 
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
@@ -242,7 +246,7 @@ def _slip(wheel: Any, own: Any, state: Any, turning: int | None, lean: LeanParam
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _advance(
     body: Any, state: Any, wheels: Records, states: Records, dx: float, dy: float, dw: float, dp: float,
-    turning: int | None, lean: LeanParams | None,
+    turning: int | None, lean: LeanParams | None, steps: Records | None,
 ) -> None:  # fmt: skip
     """Forces at the end of the step, within the friction limit; speeds, energies and pose from them."""
     h = body.dt
@@ -260,6 +264,8 @@ def _advance(
             part = wheel.coupled / own.effective
             fp -= total(rim + part * (own.torque - rim))
             shared += total(part * wheel.coupled)
+    if steps is not None:
+        fx, fy, fw = fx + state.push_x, fy + state.push_y, fw + state.push_turn
     if lean is not None:
         terms = leaning_terms(lean, state)
         fx, fy, fw, fp = fx + terms.x, fy + terms.y, fw + terms.turn, fp + terms.pitch
@@ -273,6 +279,8 @@ def _advance(
     dx, dy, dw = h * state.ax, h * state.ay, h * state.aw
     vx, vy, w = state.vx + 0.5 * dx, state.vy + 0.5 * dy, state.w + 0.5 * dw
     _book(state, wheels, states, h, vx, vy, w, turning, lean)
+    if steps is not None:
+        state.lifted -= h * (state.push_x * vx + state.push_y * vy + state.push_turn * w)
     if lean is not None:
         state.pitch_rate += h * state.pitch_acceleration
         state.pitch += h * state.pitch_rate

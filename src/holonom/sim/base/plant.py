@@ -15,7 +15,7 @@ from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive, BaseSensors, base_mass, load_shares, supports
 from holonom.sim.base.balancing import axle_of, kinetic_energy, lean_params
-from holonom.sim.base.floor import Floor, floor_table
+from holonom.sim.base.floor import Floor, floor_table, step_table
 from holonom.sim.base.kernels import BLOCKED, DEAD, STUCK, Supports
 from holonom.sim.base.log import BaseTruth, truth_of
 from holonom.sim.base.log_kernels import drive_open
@@ -29,7 +29,7 @@ __all__ = ["FAULTS", "TICK", "BaseFault", "BasePlant", "simulated_lanes"]
 
 
 Records = NDArray[np.void]
-NOTHING = ("share", "share_x", "share_y", "turns", "servo", "lever", "pivot_drag", "reach", "coupled")
+NOTHING = ("share", "share_x", "share_y", "turns", "servo", "lever", "pivot_drag", "reach", "coupled", "radius")
 """What is 0 of the lanes that only fill up a four."""
 TICK = 1e-3
 """Time (s) that one step of the plant takes; sensors are read after each."""
@@ -134,6 +134,7 @@ class BasePlant:
             SensorParams(*astuple(sensors)),
             1 if turns else None,
             lean_params(base, drive, GRAVITY * math.cos(floor.slope)) if base.balances else None,
+            step_table(floor),
             ideal,
             self._forward(),
         )
@@ -159,9 +160,9 @@ class BasePlant:
 
     def _wheels(self, contacts: Array, dt: float) -> Records:
         """The lanes as records, one by one."""
-        reach, usual = max(float(np.hypot(*contacts.T).max()), 1e-3), float(self.radii.mean())
+        reach = max(float(np.hypot(*contacts.T).max()), 1e-3)
         rows = [
-            wheel_row(lane, contacts[lane.support], self.support[lane.support], self.drive, dt, reach, usual)
+            wheel_row(lane, contacts[lane.support], self.support[lane.support], self.drive, dt, reach, self.radii)
             for lane in self.lanes
         ]
         return np.array(rows, WHEEL)

@@ -23,6 +23,8 @@ WHEEL = np.dtype(
         ("along_radius", F),  # slip along and across per wheel speed, m: r cos(gamma), -r sin(gamma)
         ("across_radius", F),
         ("reach", F),  # of the base: from its centre of mass to the farthest contact, m
+        ("radius", F),
+        ("largest", F),  # of the base: radius of its largest wheel
         ("gain", F),  # gear: wheel torque per motor torque, driving and driven back
         ("gain_back", F),
         ("current_slope", F),  # A s/rad that back-emf takes in a step as the motor turns faster
@@ -110,6 +112,13 @@ BODY_STATE = padded(
         ("pitch_acceleration", F),
         ("down_x", F),  # gravity along the floor, along the axes of base_link, m/s2; set anew each millisecond
         ("down_y", F),
+        (
+            "push_x",
+            F,
+        ),  # of the edges of steps, at the centre of mass: N, N, N m; work done against them, J
+        ("push_y", F),
+        ("push_turn", F),
+        ("lifted", F),
         ("light", I),  # 1 or 0: no loads of its wheels carry it
         ("tipping", I),  # ms for which no loads of its wheels carried it, less those for which some did
         ("tipped", I),  # tick at which it fell over; 0: it stands

@@ -50,6 +50,7 @@ class BasePlantParams(NamedTuple):
     sensors: SensorParams
     turning: int | None  # None: no wheel turns about its vertical axis
     lean: LeanParams | None  # None: the body does not balance
+    steps: Records | None  # None: the floor has none
     ideal: bool  # wheels turn as they are told, and do not slip
     forward: Array  # (3, 4 n) twist (vx, vy, w) of the centre of mass per wheel speed where nothing slips
 
@@ -74,7 +75,7 @@ def advance(params: BasePlantParams, state: Records, states: Records, signals: W
     body.down_y = body.cosine * known.slope_y - body.sine * known.slope_x
     if params.turning is not None:
         _ask(params.wheels, states, signals.steering)
-    plant_steps(known, body, params.wheels, states, params.supports, params.turning, params.lean)
+    plant_steps(known, body, params.wheels, states, params.supports, params.turning, params.lean, params.steps)
     body.tick += 1
     body.tipping = body.tipping + 1 if body.light != 0 else max(body.tipping - 1, 0)
     if body.tipping >= TIPS and body.tipped == 0:

@@ -124,7 +124,9 @@ def _unfelt(cell: Cell, robot: Robot, drives: str, path: Path) -> tuple[str, ...
             raise CellError(
                 f"{place}: it came; the ideal drives of {robot.name or 'the base'} have no motors that break"
             )
-    return ("ideal drives do not slip, so patches of the floor change nothing for it",) if cell.patch else ()
+    felt = {"patches of the floor": cell.patch, "its slope": cell.floor.slope, "its steps": cell.floor.steps}
+    unfelt = [what for what, there in felt.items() if there]
+    return (f"ideal drives do not slip, so {' and '.join(unfelt)} change nothing for it",) if unfelt else ()
 
 
 def _drive(robot: Robot, base: WheelBase) -> tuple[BaseDrive, str, tuple[str, ...]]:

@@ -22,7 +22,7 @@ from holonom.devices import Accelerometer, CurrentShunt, Gyro
 from holonom.errors import CellError
 from holonom.geometry import Box, Cylinder
 from holonom.mobile import BaseSensors
-from holonom.sim import SENSORS, Disc, Floor, Material, RectangularPatch, RoundPatch, Surface
+from holonom.sim import SENSORS, Disc, Floor, Material, RectangularPatch, RoundPatch, Step, Surface
 from holonom.spatial import pose
 
 __all__ = ["build_job", "refuse_unsimulated"]
@@ -156,7 +156,9 @@ def _why_not(sensor: Sensor, robot: Robot) -> str:
 def _floor(cell: Cell) -> Floor:
     floor = cell.floor
     material = Material(floor.friction, floor.sliding_friction, floor.slip_at_peak)
-    return Floor(material, tuple(_patch(patch, floor.slip_at_peak) for patch in cell.patch))
+    patches = tuple(_patch(patch, floor.slip_at_peak) for patch in cell.patch)
+    steps = tuple(Step(step.position, step.height, step.rise) for step in floor.steps)
+    return Floor(material, patches, floor.slope, floor.uphill, steps)
 
 
 def _patch(patch: Patch, slip_at_peak: float) -> RoundPatch | RectangularPatch:
