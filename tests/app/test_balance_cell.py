@@ -22,6 +22,13 @@ height = "450mm"
 inertia = ["0.3kgm2", "0.25kgm2", "0.12kgm2"]
 """
 
+AHEAD = """[path]
+shape = "waypoints"
+points = [["0m", "0m"], ["3m", "0m"]]
+speed = "0.7m/s"
+acceleration = "0.5m/s2"
+"""
+
 
 def run(folder: Path, text: str, head: str = HEAD) -> tuple[int, dict[str, object]]:
     file = folder / "cell.toml"
@@ -75,3 +82,20 @@ def test_bad_input(case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
     head, text, said = REFUSED[case]
     assert run(tmp_path, text, head)[0] == 2
     assert said in capsys.readouterr().err
+
+
+def test_steps_and_a_slope_of_the_floor(tmp_path: Path) -> None:
+    """A slope of 2 degrees with a step of 20 mm is rolled over; on ideal drives it is said that neither is felt."""
+    floor = '[floor]\nslope = "2deg"\nuphill = "90deg"\nsteps = [{ position = ["1.5m", "0m"], height = "20mm" }]\n'
+    status, numbers = run(tmp_path, AHEAD + floor)
+    assert status == 0, numbers
+    status, numbers = run(tmp_path, 'drives = "ideal"\n' + AHEAD + floor)
+    assert status == 0, numbers
+    assert any("its slope and its steps change nothing for it" in str(n) for n in numbers["notes"])  # type: ignore[attr-defined]
+
+
+def test_an_edge_too_high_stops_it(tmp_path: Path) -> None:
+    head = HEAD.replace("segway", "differential").replace("height", 'com = ["-50mm", "0mm"]\n#').replace("inertia", "#")
+    status, numbers = run(tmp_path, AHEAD + '[floor]\nsteps = [{ position = ["1m", "0m"], height = "0.2m" }]\n', head)
+    assert status == 1
+    assert "path" in str(numbers["failure"])

@@ -15,7 +15,7 @@ from holonom.machine import PATHS, BaseController, BaseSettings, PathLimits, pla
 from holonom.machine.base.balancing import leaning_path, pendulum_of
 from holonom.mobile import BaseDrive, segway
 from holonom.mobile.drive.base_drive import BaseSensors
-from holonom.sim import BasePlant, Floor
+from holonom.sim import BasePlant, Floor, Step
 
 MOTOR = DcMotor(
     resistance=0.6, inductance=0.3e-3, torque_constant=0.03, back_emf_constant=0.03, rotor_inertia=2e-5,
@@ -128,3 +128,37 @@ def test_ideal_drives_hold_it_upright() -> None:
         loop.advance(10)
     assert plant.twist[0] == pytest.approx(0.5, abs=1e-3)
     assert plant.pitch[0] == 0.0
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_over_a_step_of_twenty_millimetres(law: str) -> None:
+    """Up and down again at 0.7 m/s; nobody tells its controller."""
+    floor = Floor(steps=(Step((1.5, 0.0), 0.02), Step((3.0, 0.0), 0.02, math.pi)))
+    path = plan_path(np.array([[0.0, 0.0], [4.5, 0.0]]), PathLimits(0.7, 0.5), heading="tangent")
+    settings = BaseSettings(balance=BALANCE_LAWS.make(law))
+    log = simulate_base(BASE, DRIVE, path, floor=floor, settings=settings, rng=np.random.default_rng(1))
+    assert log.ended == "done"
+    assert log.path_error.max() < 0.15
+    assert log.path_error[-1] < 0.04
+
+
+def test_at_an_edge_too_steep_for_its_motors_no_motor_is_given_up() -> None:
+    """It comes too slowly to roll over: what stands there is not jammed."""
+    floor = Floor(steps=(Step((0.6, 0.0), 0.03),))
+    loop = standing("lqr", floor=floor)
+    for _ in range(400):
+        loop.controller.follow_velocity((0.15, 0.0, 0.0))
+        loop.advance(10)
+        if loop.plant.tipped is not None:
+            break
+    assert loop.controller.state["dead"] == 0
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_it_stands_on_a_slope(law: str) -> None:
+    """Upright against gravity, somewhat down the slope of 3 degrees."""
+    loop = standing(law, floor=Floor(slope=math.radians(3.0)))
+    loop.advance(8000)
+    assert loop.plant.tipped is None
+    assert abs(loop.plant.twist[0]) < 0.02
+    assert abs(loop.plant.pose[0]) < 0.3

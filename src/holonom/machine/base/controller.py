@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from holonom.arrays import Array, finite_array, real_array
 from holonom.control import ServoAxis
 from holonom.control.base.force_kernels import Body
-from holonom.control.base.kernels import EstimateParams
+from holonom.control.base.kernels import EstimateParams, WatchParams
 from holonom.control.base.traction import TractionSettings, WatchSettings
 from holonom.control.base.tuning import WheelLoop, tune_wheel
 from holonom.devices import tracking_params
@@ -257,7 +257,7 @@ def _params(
         shaping=settings.shaping.params(TICK),
         estimate=_estimate_params(base, settings),
         traction=(settings.traction or TractionSettings()).params(TICK),
-        watch=(settings.watch or WatchSettings()).params(TICK),
+        watch=_watch_params(base, settings),
         slip=slipping,
         steered=_steered_params(base, drive) if base.steered else None,
         balance=_balance(base, drive, settings, most),
@@ -303,6 +303,12 @@ def _estimate_params(base: WheelBase, settings: BaseSettings) -> EstimateParams:
     if base.balances:  # its accelerometers lean with it
         params = params._replace(max_pull=LEANING_PULL)
     return params._replace(bias_gain=0.0) if any(wheel.kind == "skid" for wheel in base.wheels) else params
+
+
+def _watch_params(base: WheelBase, settings: BaseSettings) -> WatchParams:
+    """Wheels under a body that balances stand and turn as it needs: one that stands is not jammed."""
+    params = (settings.watch or WatchSettings()).params(TICK)
+    return params._replace(jam_patience=math.inf) if base.balances else params
 
 
 def _steered_params(base: WheelBase, drive: BaseDrive) -> SteeredParams:
