@@ -84,6 +84,7 @@ class BaseRig:
         self._records = BaseRecords(job, creep_on(floor), controller.params.residual * controller.radii, sink)
         self._words = BaseWords(job.base.driven, floor.material.slip_at_peak, job.base, job.settings.keep)
         self._faults = sorted(job.faults, key=lambda fault: fault.time)
+        self._payloads = list(job.payloads)
         self._alone, self._log = alone, loop.buffer(0)
         self._began: float | None = None
         self._ended, self._stopping = False, False
@@ -165,6 +166,10 @@ class BaseRig:
             It did not do what it was to do.
         """
         task, now = self.job.task, self.loop.time
+        while self._payloads and self._payloads[0][0] <= now + 1e-9:
+            _, payload = self._payloads.pop(0)
+            self.loop.plant.carry(payload)
+            self.log("info", "plant", f"it carries {payload.mass:g} kg from here on")
         if self._began is None:
             waits = not self._signals.get(task.after) if task.after is not None else now < task.start
             if waits:

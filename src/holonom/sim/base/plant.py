@@ -12,16 +12,18 @@ from numpy.typing import ArrayLike, NDArray
 from holonom.arrays import Array, finite_array, real_array, whole_number
 from holonom.devices.drive_signals import WheelSignals
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
+from holonom.mobile.base.payload import Payload, loaded
 from holonom.mobile.base.wheel_base import WheelBase
-from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive, BaseSensors, base_mass, load_shares, supports
-from holonom.sim.base.balancing import axle_of, kinetic_energy, lean_params
+from holonom.mobile.drive.base_drive import BaseDrive, BaseSensors
+from holonom.sim.base.balancing import axle_of, kinetic_energy
+from holonom.sim.base.bodies import bodies_of
 from holonom.sim.base.floor import Floor, floor_table, step_table
-from holonom.sim.base.kernels import BLOCKED, DEAD, STUCK, Supports
+from holonom.sim.base.kernels import BLOCKED, DEAD, STUCK
 from holonom.sim.base.log import BaseTruth, truth_of
 from holonom.sim.base.log_kernels import drive_open
-from holonom.sim.base.records import BODY, BODY_SAMPLE, BODY_STATE, WHEEL, WHEEL_SAMPLE, WHEEL_STATE
+from holonom.sim.base.records import BODY_SAMPLE, BODY_STATE, WHEEL_SAMPLE, WHEEL_STATE
 from holonom.sim.base.step_kernels import BasePlantParams, SensorParams, base_acceleration, sense
-from holonom.sim.base.wheel_rows import Lane, lanes_of, wheel_row
+from holonom.sim.base.wheel_rows import Lane, lanes_of
 from holonom.trace.call.records import aligned_records, side_by_side
 from holonom.trace.code.simd import WIDTH
 
@@ -29,8 +31,6 @@ __all__ = ["FAULTS", "TICK", "BaseFault", "BasePlant", "simulated_lanes"]
 
 
 Records = NDArray[np.void]
-NOTHING = ("share", "share_x", "share_y", "turns", "servo", "lever", "pivot_drag", "reach", "coupled", "radius")
-"""What is 0 of the lanes that only fill up a four."""
 TICK = 1e-3
 """Time (s) that one step of the plant takes; sensors are read after each."""
 FAULTS = {"dead": DEAD, "blocked": BLOCKED, "stuck": STUCK}
@@ -111,29 +111,24 @@ class BasePlant:
         usual = 8 if base.balances else 2 if quick else 4
         substeps = whole_number("BasePlant: substeps", usual if substeps is None else substeps, least=1)
         self.base, self.drive, self.rng = base, drive, rng
-        self.mass = base_mass(base)
+        self.floor, self._empty, self._substeps = floor, base, substeps
         self.lanes, self.radii = simulated_lanes(base), base.wheel_radii
         self.rows = base.rest_coupling * [1.0, 1.0, base.radius]
         """(m, 3) rim speeds (m/s) of the driven wheels per (vx, vy, w), steered ones at rest."""
-        self.centre = base.com if not base.balances else axle_of(base)
-        """(2,) in base_link: the centre of mass; of a body that balances the place on its axle under that."""
-        self.support, contacts = load_shares(base), supports(base) + base.com - self.centre
-        if base.balances:
-            self.support = np.linalg.pinv(np.vstack([np.ones(len(contacts)), contacts.T]))
+        bodies = bodies_of(base, drive, floor, self.lanes, substeps)
+        self.centre = bodies.centre
+        """(2,) in base_link: the centre of mass; of a body that balances the place on its axle beside it."""
         broken = sorted((round(f.time / TICK), self._broken_lane(f), FAULTS[f.kind]) for f in faults)
-        bearing = 1 + max(lane.support for lane in self.lanes)
         turns = any(lane.wheel.kind in ("steered", "castor") for lane in self.lanes)
         self.params = BasePlantParams(
-            self._body(floor, substeps),
-            side_by_side(self._wheels(contacts, TICK / substeps), **dict.fromkeys(NOTHING, 0.0)),
-            Supports(
-                self.support[bearing:], np.ascontiguousarray(contacts), np.zeros(len(contacts)), contacts.mean(axis=0)
-            ),
+            bodies.body,
+            bodies.wheels,
+            bodies.supports,
             *floor_table(floor),
             np.array(broken, dtype=np.int64).reshape(-1, 3),
             SensorParams(*astuple(sensors)),
             1 if turns else None,
-            lean_params(base, drive, GRAVITY * math.cos(floor.slope)) if base.balances else None,
+            bodies.lean,
             step_table(floor),
             ideal,
             self._forward(),
@@ -149,23 +144,6 @@ class BasePlant:
         self.signals = WheelSignals(np.zeros(lanes, np.int64), np.zeros(lanes), inertial, *zeros)
         """What its sensors read last, and the voltages that it is driven with."""
         self._place((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), self.noise(1)[0] * 0.0)
-
-    def _body(self, floor: Floor, substeps: int) -> Records:
-        """The body as a record, on a floor that may be a slope."""
-        base, down = self.base, -GRAVITY * math.sin(floor.slope)
-        inertia = base.alpha * self.mass * base.radius**2
-        along = (down * math.cos(floor.uphill), down * math.sin(floor.uphill))
-        row = (self.mass, inertia, base.com_height, TICK / substeps, substeps, *self.centre.tolist(), *along)
-        return aligned_records([(*row, GRAVITY * math.cos(floor.slope))], BODY)
-
-    def _wheels(self, contacts: Array, dt: float) -> Records:
-        """The lanes as records, one by one."""
-        reach = max(float(np.hypot(*contacts.T).max()), 1e-3)
-        rows = [
-            wheel_row(lane, contacts[lane.support], self.support[lane.support], self.drive, dt, reach, self.radii)
-            for lane in self.lanes
-        ]
-        return np.array(rows, WHEEL)
 
     @property
     def time(self) -> float:
@@ -235,6 +213,29 @@ class BasePlant:
         pose, twist = finite_array("pose", pose, (3,)), finite_array("twist", twist, (3,))
         self._place(pose, twist, self.noise(1)[0], self._steered_to(twist))
 
+    def carry(self, payload: Payload) -> None:
+        """Carry a payload from now on, instead of what was carried; it goes on as it moved.
+
+        Nobody tells the controller.
+
+        Raises
+        ------
+        ModelError
+            With it, a body that balances would be turned by its pitch.
+        """
+        base, pose, twist = loaded(self._empty, payload), self.pose, self.twist
+        bodies = bodies_of(base, self.drive, self.floor, self.lanes, self._substeps)
+        self.base, self.centre = base, bodies.centre
+        self.params = self.params._replace(
+            body=bodies.body, wheels=bodies.wheels, supports=bodies.supports, lean=bodies.lean
+        )
+        self.params = self.params._replace(forward=self._forward())
+        self._locate(pose, twist)
+        wheels, states = bodies.wheels, self.states
+        for name in ("along", "across"):
+            x, y = states[f"{name}_x"], states[f"{name}_y"]
+            states[f"{name}_arm"] = wheels["x"] * y - wheels["y"] * x
+
     def _steered_to(self, twist: Array) -> Array:
         """Angles of the lanes against rest with which the base moves so; castors trail."""
         angles, turned = self.base.steering(twist), np.zeros(len(self.lanes))
@@ -266,18 +267,22 @@ class BasePlant:
         states["swing"].flat[:] = flat["turns"] * w
 
     def _place(self, pose: ArrayLike, twist: ArrayLike, noise: Array, steering: Array | None = None) -> None:
-        state, states, (dx, dy) = self.state[0], self.states, self.centre
-        (x, y, theta), (vx, vy, w) = np.asarray(pose, float), np.asarray(twist, float)
-        c, s = math.cos(theta), math.sin(theta)
-        state["x"], state["y"], state["theta"] = x + c * dx - s * dy, y + s * dx + c * dy, theta
-        state["vx"], state["vy"], state["w"] = vx - w * dy, vy + w * dx, w
+        state, states = self.state[0], self.states
+        self._locate(np.asarray(pose, float), np.asarray(twist, float))
         state["pitch"] = state["pitch_rate"] = state["pitch_acceleration"] = 0.0
         state["tipping"] = state["tipped"] = 0
         state["near"], state["fault"] = True, 0
         self._roll(
-            np.zeros(len(self.lanes)) if steering is None else steering, float(state["vx"]), float(state["vy"]), w
+            np.zeros(len(self.lanes)) if steering is None else steering, *(float(state[v]) for v in ("vx", "vy", "w"))
         )
         sense(self.params, self.state, states, self.signals, noise)
+
+    def _locate(self, pose: Array, twist: Array) -> None:
+        """Put the centre of mass where it is at a pose and a twist of base_link."""
+        state, (dx, dy), (x, y, theta), (vx, vy, w) = self.state[0], self.centre, pose, twist
+        c, s = math.cos(theta), math.sin(theta)
+        state["x"], state["y"], state["theta"] = x + c * dx - s * dy, y + s * dx + c * dy, theta
+        state["vx"], state["vy"], state["w"] = vx - w * dy, vy + w * dx, w
 
     def noise(self, ticks: int) -> Array:
         """Standard normal numbers (ticks, 3 + 4 n) for the sensors of as many milliseconds; 2 more where it balances.

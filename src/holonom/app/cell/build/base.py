@@ -22,6 +22,7 @@ from holonom.errors import CellError, InputError, ModelError
 from holonom.machine import PATHS, BaseSettings, PathLimits, ReferencePath, plan_path
 from holonom.mobile import BaseDrive, BaseSensors, WheelBase
 from holonom.mobile.base.drivable import moves_sideways
+from holonom.mobile.base.payload import Payload, loaded
 from holonom.mobile.curves import Curves
 from holonom.mobile.drive.sized import sized_base_drive
 from holonom.mobile.odometry import integrate
@@ -110,7 +111,21 @@ def build_base_job(cell: Cell, number: int, path: Path, sensors: BaseSensors) ->
     faults = tuple(BaseFault(f.time, f.wheel, FAULTS[f.kind]) for f in cell.fault if cell.robot_of(f.robot) is robot)
     frames = {"base_link": np.eye(4), "top": pose((0.0, 0.0, deck_height(base)))}
     levels = levels_of(robot.levels, place_in(path, "robot", number, "levels"))
-    job = BaseJob(robot.name, base, drive, drives, settings, sensors, start, task, faults, frames, levels, lean)
+    job = BaseJob(
+        robot.name,
+        base,
+        drive,
+        drives,
+        settings,
+        sensors,
+        start,
+        task,
+        faults,
+        frames,
+        levels,
+        lean,
+        _payloads(cell, robot, base, path),
+    )
     return job, tuple(f"{called}: {note}" for note in notes)
 
 
@@ -207,6 +222,21 @@ def _check_balance(robot: Robot, base: WheelBase, path: Path, at: tuple[str | in
         return ("ideal drives hold its body upright",)
     law = "lqr" if robot.balance is None else robot.balance.name
     return (f"its body balances by {law}, its centre of mass {1e3 * base.com_height:g} mm high",)
+
+
+def _payloads(cell: Cell, robot: Robot, base: WheelBase, path: Path) -> tuple[tuple[float, Payload], ...]:
+    """What it carries, by time; refused where a body that balances could not pitch with it."""
+    found = []
+    for number, event in enumerate(cell.event):
+        if event.payload is None or cell.robot_of(event.robot) is not robot:
+            continue
+        payload = Payload(**event.payload.model_dump())
+        try:
+            simulated_lanes(loaded(base, payload))
+        except ModelError as problem:
+            raise CellError(f"{place_in(path, 'event', number, 'payload')}: {problem}") from None
+        found.append((event.at, payload))
+    return tuple(sorted(found, key=lambda change: change[0]))
 
 
 def _lean(robot: Robot) -> float:

@@ -70,7 +70,7 @@ def build_job(cell: Cell, path: Path) -> Job:
         parts=parts,
         obstacles=obstacles,
         sensors=_sensors(cell, path),
-        events=tuple(SignalEvent(event.at, event.signal, event.on) for event in cell.event),
+        events=tuple(SignalEvent(event.at, event.signal, event.on) for event in cell.event if event.signal),
         patches=tuple(patch.name for patch in cell.patch),
         fields=_fields(cell, parts),
         scene=build_scene(cell, job_arms, bases, parts, obstacles, seen),
