@@ -15,7 +15,7 @@ from holonom.machine import PATHS, BaseController, BaseSettings, PathLimits, pla
 from holonom.machine.base.balancing import leaning_path, pendulum_of
 from holonom.mobile import BaseDrive, segway
 from holonom.mobile.drive.base_drive import BaseSensors
-from holonom.sim import BasePlant, Floor, Step
+from holonom.sim import BasePlant, Floor, Material, Step
 
 MOTOR = DcMotor(
     resistance=0.6, inductance=0.3e-3, torque_constant=0.03, back_emf_constant=0.03, rotor_inertia=2e-5,
@@ -98,6 +98,15 @@ def test_a_fall_ends_the_run() -> None:
         assert done == round(plant.tipped * 1e3)
         assert abs(plant.pitch[0]) > math.pi / 3.0
         assert not loop.going_on
+
+
+def test_a_path_that_is_too_hard_for_it() -> None:
+    """A floor without the grip that 4 m/s2 take."""
+    path = plan_path(np.array([[0.0, 0.0], [8.0, 0.0]]), PathLimits(3.0, 4.0), heading="tangent")
+    slick = Floor(Material(0.2, 0.15, 0.05))
+    log = simulate_base(BASE, DRIVE, path, floor=slick, rng=np.random.default_rng(1))
+    assert log.ended == "fell"
+    assert "fell after" in log.events[-1].text
 
 
 def test_how_it_leans_for_a_path() -> None:

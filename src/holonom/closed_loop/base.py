@@ -163,7 +163,7 @@ def simulate_base(
     controller.follow_path(reference)
     log = _whole(loop, len(reference))
     time = TICK * np.arange(len(log.body), dtype=np.float64)
-    ended = ENDINGS[controller.ending] if plant.tipped is None else "tipped"
+    ended = ENDINGS[controller.ending] if plant.tipped is None else "fell" if base.balances else "tipped"
     driven = 1.0 if ended == "done" else DrivenPart(path)(float(controller.state["phase"][0]))
     events = [Event(f.time, "warning", "plant", _fault_text(f, plant)) for f in faults]
     events += _ending_events(ended, driven, float(time[-1]))
@@ -205,7 +205,8 @@ class DrivenPart:
 def _ending_events(ended: str, driven: float, time: float) -> list[Event]:
     """What cut a run short; nothing where it went to the end of the path."""
     texts = {
-        "tipped": f"tipped over or fell after {100.0 * driven:.0f} % of the path",
+        "tipped": f"tipped over after {100.0 * driven:.0f} % of the path",
+        "fell": f"fell after {100.0 * driven:.0f} % of the path",
         "jammed": f"stopped with a jammed wheel after {100.0 * driven:.0f} % of the path",
         "cut off": f"cut off after {100.0 * driven:.0f} % of the path: driven too slowly, it takes more than "
         f"{1.0 / SLOWEST:g} times its time",

@@ -97,10 +97,8 @@ def _step(
     """
     h = body.dt
     _weigh(body, state, wheels, states, supports, lean)
-    xx = yy = body.mass
-    ww = body.inertia
-    xy = xw = yw = 0.0
-    xp = yp = wp = pp = bp = 0.0
+    xx, yy, ww = body.mass, body.mass, body.inertia
+    xy = xw = yw = xp = yp = wp = pp = bp = 0.0
     bx, by, bw = h * body.mass * state.down_x, h * body.mass * state.down_y, 0.0
     if lean is not None:
         terms = leaning_terms(lean, state)
