@@ -14,6 +14,7 @@ from holonom.errors import ModelError
 from holonom.machine import PATHS, BaseController, BaseSettings, PathLimits, plan_path
 from holonom.machine.base.balancing import leaning_path, pendulum_of
 from holonom.mobile import BaseDrive, segway
+from holonom.mobile.base.payload import Payload
 from holonom.mobile.drive.base_drive import BaseSensors
 from holonom.sim import BasePlant, Floor, Material, Step
 
@@ -165,9 +166,25 @@ def test_at_an_edge_too_steep_for_its_motors_no_motor_is_given_up() -> None:
 
 @pytest.mark.parametrize("law", LAWS)
 def test_it_stands_on_a_slope(law: str) -> None:
-    """Upright against gravity, somewhat down the slope of 3 degrees."""
+    """It learns the slope of 3 degrees, and comes back to its place."""
     loop = standing(law, floor=Floor(slope=math.radians(3.0)))
-    loop.advance(8000)
+    loop.advance(40_000)
     assert loop.plant.tipped is None
     assert abs(loop.plant.twist[0]) < 0.02
-    assert abs(loop.plant.pose[0]) < 0.3
+    assert abs(loop.plant.pose[0]) < 0.08
+
+
+@pytest.mark.parametrize("law", LAWS)
+def test_a_payload_that_nobody_told_of(law: str) -> None:
+    """3 kg, 50 mm ahead of the axle: it leans back, and comes back to its place."""
+    loop = standing(law)
+    loop.advance(1000)
+    loop.plant.carry(Payload(3.0, (0.05, 0.0), 0.3))
+    most = 0.0
+    for _ in range(400):
+        loop.advance(100)
+        most = max(most, abs(float(loop.plant.pose[0])))
+    rest = -math.atan2(3.0 * 0.05, 10.0 * 0.35 + 3.0 * 0.2)
+    assert loop.plant.pitch[0] == pytest.approx(rest, abs=math.radians(0.5))
+    assert 0.02 < most < 0.4
+    assert abs(loop.plant.pose[0]) < 0.04

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from holonom.control import BALANCE_LAWS, Pendulum
 from holonom.control.balance.contract import TiltSettings
-from holonom.control.balance.kernels import Tilt, Upright, balance_step, tilt_ahead, tilt_step
+from holonom.control.balance.kernels import Tilt, Upright, balance_step, tilt_ahead, tilt_step, trim_step
 from holonom.control.balance.lqr import LqrBalance
 from holonom.errors import ModelError, OutOfLimits
 
@@ -82,6 +82,17 @@ def test_it_asks_for_no_more_than_it_may(law: str) -> None:
     fast = balance_step(gains, Upright(0.0, 0.0, 1e3, 0.0), still, 0.0)
     assert fast == pytest.approx((gains.pitch - gains.carry) * 0.2)
     assert balance_step(gains._replace(max_force=3.0), Upright(1.0, 0.0, 0.0, 0.0), still, 0.0) == 3.0
+
+
+def test_what_is_asked_again_and_again_becomes_its_rest() -> None:
+    """Slowly, up to 0.1 rad, and not while something holds it."""
+    gains = BALANCE_LAWS.make("lqr", {"max_lean": 0.2}).gains(body(10.0, 0.3, 0.1))
+    trim = 0.0
+    for _ in range(1000):
+        trim = trim_step(gains, 1e-3, trim, 0.05)
+    assert trim == pytest.approx(0.05 / gains.trim_time)
+    assert trim_step(gains, 1e9, trim, 0.05) == 0.1
+    assert trim_step(gains, 1e-3, trim, 0.2) == trim
 
 
 def test_pitch_and_gyro_zero_are_found_while_it_speeds_up_and_brakes() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 from holonom.control.balance.contract import BalanceLaw, Pendulum
 from holonom.control.balance.kernels import BalanceGains
@@ -42,6 +43,13 @@ class CascadeBalance(BalanceLaw):
         0.25, meaning="largest pitch that the outer loop asks for", unit="rad", above=0.0, most=1.0
     )
     max_place: float = parameter(1.0, meaning="largest error of place that counts", unit="m", above=0.0)
+    trim_time: float = parameter(
+        30.0,
+        meaning="in which slopes and payloads are learnt, in parts of its time",
+        unit="",
+        above=0.0,
+        most=inf,
+    )
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -59,6 +67,7 @@ class CascadeBalance(BalanceLaw):
             self.max_lean,
             self.max_place,
             body.max_force,
+            self.trim_time * body.time,
         )
 
 

@@ -13,11 +13,15 @@ __all__ = [
     "Tilt",
     "TiltParams",
     "Upright",
+    "asked_lean",
     "balance_step",
     "level_acceleration",
     "tilt_ahead",
     "tilt_step",
+    "trim_step",
 ]
+
+MOST_TRIM = 0.1  # rad that its rest may be off
 
 
 class BalanceGains(NamedTuple):
@@ -31,6 +35,7 @@ class BalanceGains(NamedTuple):
     max_lean: float  # rad, of what errors ask for
     max_place: float  # m of error beyond which it counts no more
     max_force: float  # N
+    trim_time: float  # s in which a lean that is asked for again and again is taken for the rest
 
 
 class Upright(NamedTuple):
@@ -60,7 +65,26 @@ class Tilt(NamedTuple):
 
 
 @loop(error_model="numpy")
-def balance_step(gains: BalanceGains, seen: Upright, wanted: Upright, ahead: float) -> float:
+def asked_lean(gains: BalanceGains, seen: Upright, wanted: Upright) -> float:
+    """Pitch (rad) that errors of speed and place ask for: back where it is too fast or too far ahead."""
+    place = min(max(seen.place - wanted.place, -gains.max_place), gains.max_place)
+    lean = -(gains.lean_per_speed * (seen.speed - wanted.speed) + gains.lean_per_place * place)
+    return min(max(lean, -gains.max_lean), gains.max_lean)
+
+
+@loop(error_model="numpy")
+def trim_step(gains: BalanceGains, dt: float, trim: float, lean: float) -> float:
+    """Pitch (rad) at which it rests, one sample later: slopes and payloads beside the axle are learnt slowly.
+
+    Not while the lean that is asked for is the largest one: then something holds it, as an edge does.
+    """
+    if abs(lean) >= gains.max_lean:
+        return trim
+    return min(max(trim + dt / gains.trim_time * lean, -MOST_TRIM), MOST_TRIM)
+
+
+@loop(error_model="numpy")
+def balance_step(gains: BalanceGains, seen: Upright, wanted: Upright, ahead: float, trim: float = 0.0) -> float:
     """Force (N, along the way, of all rims) that keeps a body up and takes it to a speed and a place.
 
     Parameters
@@ -69,17 +93,17 @@ def balance_step(gains: BalanceGains, seen: Upright, wanted: Upright, ahead: flo
         What is, and the motion that is asked for: a pitch that fits its acceleration, its speed, its place.
     ahead
         Force of that motion, N.
+    trim
+        What its rest is off, rad (`trim_step`).
 
     Notes
     -----
     Too fast or too far ahead, the body is asked to lean back, no further than `max_lean`:
-    `phi_c = -(a (v - v_r) + b (p - p_r))`; `F = F_r + k (phi - phi_r - phi_c) + d (phid - phid_r) + c phi_c`.
+    `phi_c = -(a (v - v_r) + b (p - p_r))`, `F = F_r + k (phi - phi_r - phi_c - phi_0) + d (phid - phid_r) + c phi_c`.
     The wheels first run the other way, as of every inverted pendulum: speed and place are not of minimum phase.
     """
-    place = min(max(seen.place - wanted.place, -gains.max_place), gains.max_place)
-    lean = -(gains.lean_per_speed * (seen.speed - wanted.speed) + gains.lean_per_place * place)
-    lean = min(max(lean, -gains.max_lean), gains.max_lean)
-    force = ahead + gains.pitch * (seen.pitch - wanted.pitch - lean)
+    lean = asked_lean(gains, seen, wanted)
+    force = ahead + gains.pitch * (seen.pitch - wanted.pitch - lean - trim)
     force += gains.pitch_rate * (seen.rate - wanted.rate) + gains.carry * lean
     return min(max(force, -gains.max_force), gains.max_force)
 

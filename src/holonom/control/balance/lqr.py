@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
@@ -38,6 +39,13 @@ class LqrBalance(BalanceLaw):
         0.25, meaning="largest lean that errors of speed and place ask for", unit="rad", above=0.0, most=1.0
     )
     max_place: float = parameter(1.0, meaning="largest error of place that counts", unit="m", above=0.0)
+    trim_time: float = parameter(
+        30.0,
+        meaning="in which slopes and payloads are learnt, in parts of its time",
+        unit="",
+        above=0.0,
+        most=inf,
+    )
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -51,7 +59,15 @@ class LqrBalance(BalanceLaw):
         R = np.array([[(self.effort * body.rolling * 9.81) ** -2]])
         pitch, rate, speed, place = (-np.linalg.solve(R, B.T @ solve_continuous_are(A, B, Q, R))[0]).tolist()
         return BalanceGains(
-            pitch, rate, speed / pitch, place / pitch, 0.0, self.max_lean, self.max_place, body.max_force
+            pitch,
+            rate,
+            speed / pitch,
+            place / pitch,
+            0.0,
+            self.max_lean,
+            self.max_place,
+            body.max_force,
+            self.trim_time * body.time,
         )
 
 

@@ -13,10 +13,12 @@ from holonom.control.balance.kernels import (
     Tilt,
     TiltParams,
     Upright,
+    asked_lean,
     balance_step,
     level_acceleration,
     tilt_ahead,
     tilt_step,
+    trim_step,
 )
 from holonom.control.base.kernels import Planar
 from holonom.devices.drive_signals import WheelSignals
@@ -139,7 +141,9 @@ def balance(
         if base.mode == PATH and k < len(lean):
             pitch, rate, force = lean[k, 0], lean[k, 1], lean[k, 2]
     seen = Upright(base.seen_pitch - params.rest, base.seen_pitch_rate, base.seen_along, base.ahead_of)
-    push = balance_step(params.gains, seen, Upright(pitch, rate, speed, 0.0), force)
+    asked = Upright(pitch, rate, speed, 0.0)
+    base.trim = trim_step(params.gains, params.tilt.dt, base.trim, asked_lean(params.gains, seen, asked))
+    push = balance_step(params.gains, seen, asked, force, base.trim)
     shared = Planar(push, 0.0, turning.turn)
     spun = Planar(0.0, 0.0, wanted.turn)
     for i in range(len(wheels)):

@@ -129,7 +129,8 @@ class BaseController:
             state[f"command_{name}"] = state[f"shaped_{name}"] = state[f"seen_{name}"]
         if self.params.balance is not None:  # at rest it hangs on what its accelerometers show
             state["seen_pitch"] = -math.atan2(signals.inertial[1], signals.inertial[4])
-            state["seen_pitch_rate"], state["pitch_bias"], state["seen_along"] = 0.0, 0.0, twist[0]
+            state["seen_pitch_rate"] = state["pitch_bias"] = state["trim"] = 0.0
+            state["seen_along"] = twist[0]
         states["count"].flat[:] = (signals.counters + 0x8000) % 0x10000 - 0x8000
         states["seen_angle"] = states["counted"] = (states["count"] + 0.5) * self.wheels["encoder"]["resolution"]
         if self.params.steered is not None:

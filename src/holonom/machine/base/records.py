@@ -117,6 +117,7 @@ CONTROL_STATE = padded(
         ("led_turn", F),  # the same of its turning rate
         ("led_turn_rate", F),
         ("led_turn_change", F),
+        ("trim", F),  # what the rest of its pitch is off, rad
         ("ahead_of", F),  # how far it is ahead of where it was to be, m
         ("ref_x", F),  # reference of this sample
         ("ref_y", F),
