@@ -129,7 +129,6 @@ def say(base: Any, wheels: Records, states: Records, row: Any, rows: Array) -> N
     row.ref_x, row.ref_y, row.ref_theta = base.ref_x, base.ref_y, base.ref_theta
     row.ref_vx, row.ref_vy, row.ref_w, row.ref_rate = base.ref_vx, base.ref_vy, base.ref_w, base.ref_rate
     row.gyro, row.imu_x, row.imu_y = base.gyro, base.imu_x, base.imu_y
-    row.seen_pitch = base.seen_pitch
     row.status, row.flagged, row.dead, row.jams = base.status, base.flagged, base.dead, base.jams
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])

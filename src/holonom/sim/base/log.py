@@ -35,7 +35,7 @@ class BaseTruth:
     energy
         (N, 5) J since the start: supplied, armature heat, air-gap work, lost in motors and gears, lost on the floor.
     pitch
-        (N, 2) of a body that balances, forwards, and its rate: rad, rad/s.
+        (N,) of a body that balances, forwards, rad.
     """
 
     time: Array
@@ -72,7 +72,7 @@ def truth_of(time: Array, body: NDArray[np.void], wheels: NDArray[np.void], coun
         friction_limits=of_wheels(wheels, "friction_limit", count),
         slip=of_wheels(wheels, "slip", count),
         energy=columns(body, "supplied", "heat", "airgap", "drag", "ground"),
-        pitch=columns(body, "pitch", "pitch_rate"),
+        pitch=body["pitch"],
     )
 
 

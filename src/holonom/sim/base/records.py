@@ -139,7 +139,6 @@ BODY_SAMPLE = np.dtype(
         (name, F)
         for name in (
             "x", "y", "theta", "vx", "vy", "w", "ax", "ay", "supplied", "heat", "airgap", "drag", "ground", "pitch",
-            "pitch_rate",
         )
     ]
 )  # fmt: skip
