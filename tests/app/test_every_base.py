@@ -27,7 +27,6 @@ WHEELS = {
     "segway": 'track = "400mm"\nwheel_radius = "100mm"',
     "rocker6": 'wheelbase = "800mm"\ntrack = "600mm"\nwheel_radius = "60mm"',
 }
-DRIVEN = [arrangement for arrangement in WHEELS if arrangement != "segway"]
 STEERED = ["tricycle", "bicycle", "ackermann", "dual_ackermann", "synchro", "swerve", "rocker6"]
 
 
@@ -43,7 +42,7 @@ def cell(folder: Path, arrangement: str, path: str = "", more: str = "") -> Path
     return file
 
 
-@pytest.mark.parametrize("arrangement", DRIVEN)
+@pytest.mark.parametrize("arrangement", WHEELS)
 def test_it_keeps_its_path(arrangement: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     assert main(["run", str(cell(tmp_path, arrangement)), "-o", str(out), "--quiet"]) == 0, capsys.readouterr().err
@@ -102,12 +101,6 @@ def test_a_steering_motor_that_is_stuck(tmp_path: Path, capsys: pytest.CaptureFi
     assert "the path was not kept" in capsys.readouterr().err
     events = read_recording(tmp_path / "out" / "recording.mcap").events
     assert "the steering of front is stuck" in [event.text for event in events]
-
-
-def test_what_is_not_simulated_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    file = cell(tmp_path, "segway")
-    assert main(["run", str(file), "-o", str(tmp_path / "out"), "--quiet"]) == 2
-    assert "an inverted pendulum is not simulated yet" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("arrangement", STEERED)

@@ -11,12 +11,13 @@ from simulated_bases import BASES, DRIVE, LOSSLESS, soccer
 from holonom.devices.kernels import friction_torque
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile import Wheel, WheelBase
-from holonom.mobile.arrangements import omni, segway
+from holonom.mobile.arrangements import omni
 from holonom.mobile.drive.base_drive import BaseDrive
 from holonom.model.gravity import GRAVITY
 from holonom.numeric.small_kernels import solve_positive3
+from holonom.sim.base.contact_kernels import slip_friction
 from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch
-from holonom.sim.base.kernels import BLOCKED, DEAD, _friction, break_motor, slip_friction
+from holonom.sim.base.kernels import BLOCKED, DEAD, _friction, break_motor
 from holonom.sim.base.plant import BaseFault, BasePlant
 
 SLICK = Floor(Material(0.0, 0.0, 0.1))
@@ -247,8 +248,6 @@ def test_solver(seed: int) -> None:
 def test_bad_input() -> None:
     with pytest.raises(ModelError, match="no mass"):
         BasePlant(omni(n=3, radius=0.1, wheel_radius=0.03), DRIVE)
-    with pytest.raises(ModelError, match="not simulated yet"):
-        BasePlant(segway(0.3, 0.05, mass=3.0), DRIVE)
     with pytest.raises(ModelError, match=r"ball 1.*spherical; simulated are"):
         BasePlant(WheelBase([Wheel.at("spherical", 0.0, 0.0, radius=0.1, driven=True, name="ball 1")], mass=1.0), DRIVE)
     with pytest.raises(UnknownName, match="steered wheel"):

@@ -11,7 +11,7 @@ from holonom.control import PATH_LAWS
 from holonom.control.base.kernels import Planar, pose_step, reference_at
 from holonom.errors import InputError, OutOfLimits, ShapeError
 from holonom.machine import PATHS, PathLimits, plan_path
-from holonom.machine.base.pose_paths import joined
+from holonom.machine.base.paths.pose_paths import joined
 from holonom.mobile import poses
 from holonom.mobile.curves import reeds_shepp
 

@@ -14,6 +14,7 @@ from holonom.lang import Part, Program
 from holonom.machine import BaseSettings, ControlSettings, Levels, LineSettings, ReferencePath
 from holonom.mechanics import Arm
 from holonom.mobile import BaseDrive, BaseSensors, WheelBase
+from holonom.mobile.base.payload import Payload
 from holonom.sim import BaseFault, Disc, Floor, Gripper, Ground, Surface
 
 __all__ = [
@@ -131,7 +132,8 @@ class BaseJob:
 
     `drives` is "motors", "from_limits" or "ideal"; `pose` (3,) x, y, theta is where it starts; `sensors` are its
     inertial sensors as they err, and are known to; `frames` are T (4, 4) of the frames that other robots stand on;
-    `levels` say how often points of its path come.
+    `levels` say how often points of its path come; `lean` is the pitch (rad) at which a body that balances starts;
+    `payloads` are what it carries from a time (s) on, in their order.
     """
 
     name: str
@@ -145,6 +147,8 @@ class BaseJob:
     faults: tuple[BaseFault, ...]
     frames: Mapping[str, Array]
     levels: Levels = field(default_factory=Levels)
+    lean: float = 0.0
+    payloads: tuple[tuple[float, Payload], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -45,15 +45,23 @@ class BaseLoop:
     def __init__(self, controller: BaseController, plant: BasePlant) -> None:
         self.controller, self.plant = controller, plant
 
-    def place(self, pose: ArrayLike, twist: ArrayLike = (0.0, 0.0, 0.0)) -> None:
+    def place(self, pose: ArrayLike, twist: ArrayLike = (0.0, 0.0, 0.0), lean: float = 0.0) -> None:
         """Put the base at a pose (3,) with a twist (3,) in base_link, and tell its controller.
+
+        A body that balances leans forwards by `lean`, rad.
 
         Raises
         ------
         ShapeError
             Not three finite numbers each; it stays where it is.
+        ModelError
+            A lean of a body that does not balance.
+        OutOfLimits
+            A lean at which it has fallen.
         """
         self.plant.place(pose, twist)
+        if lean != 0.0:
+            self.plant.lean(lean)
         self.controller.place(pose, twist, signals=self.plant.signals)
 
     def advance(self, ticks: int = 10) -> None:
@@ -168,7 +176,7 @@ def simulate_base(
     controller.follow_path(reference)
     log = _whole(loop, len(reference))
     time = TICK * np.arange(len(log.body), dtype=np.float64)
-    ended = ENDINGS[controller.ending] if plant.tipped is None else "tipped"
+    ended = ENDINGS[controller.ending] if plant.tipped is None else "fell" if base.balances else "tipped"
     driven = 1.0 if ended == "done" else DrivenPart(path)(float(controller.state["phase"][0]))
     events = [Event(f.time, "warning", "plant", _fault_text(f, plant)) for f in faults]
     events += _ending_events(ended, driven, float(time[-1]))
@@ -211,6 +219,7 @@ def _ending_events(ended: str, driven: float, time: float) -> list[Event]:
     """What cut a run short; nothing where it went to the end of the path."""
     texts = {
         "tipped": f"tipped over after {100.0 * driven:.0f} % of the path",
+        "fell": f"fell after {100.0 * driven:.0f} % of the path",
         "jammed": f"stopped with a jammed wheel after {100.0 * driven:.0f} % of the path",
         "cut off": f"cut off after {100.0 * driven:.0f} % of the path: driven too slowly, it takes more than "
         f"{1.0 / SLOWEST:g} times its time",

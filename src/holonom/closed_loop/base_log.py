@@ -61,7 +61,8 @@ class BaseLog:
         What a reader of the log wants to know first.
     ended
         How the run ended: "done" at the end of the path, "jammed" where a jammed wheel stopped the base, "tipped" where
-        it fell over, "cut off" where it would have taken more than five times as long as the path.
+        it fell over, "fell" where a body that balances did, "cut off" where it would have taken more than five times as
+        long as the path.
     driven
         Part of the path's length that the reference had gone by then, 0 to 1.
     """

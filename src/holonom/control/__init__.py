@@ -31,9 +31,11 @@ Loops on a mobile base (compiled steps in `base.kernels`):
 =======================  =======================================================================
 
 Tables: `CONTROLLERS` of an arm's joints, `BASE_CONTROLLERS`, the parts above, `PATH_LAWS` for bases that roll
-forwards and turn (`path_laws`; a `PathLaw` each).
+forwards and turn (`path_laws`; a `PathLaw` each), `BALANCE_LAWS` of an inverted pendulum (`balance`; a `BalanceLaw`).
 """
 
+from holonom.control.balance.contract import BalanceLaw, Pendulum
+from holonom.control.balance.methods import BALANCE_LAWS
 from holonom.control.base.path_keeping import EstimateSettings, KeepingSettings
 from holonom.control.base.traction import TractionSettings, WatchSettings
 from holonom.control.base.tuning import WheelLoop, tune_wheel
@@ -61,11 +63,13 @@ from holonom.control.path_laws.methods import PATH_LAWS
 from holonom.control.tuning import CascadeGains, LoopMargin, SampleTimes, ServoAxis, design_cascade
 
 __all__ = [
+    "BALANCE_LAWS",
     "BASE_CONTROLLERS",
     "CONTROLLERS",
     "PATH_LAWS",
     "AccelerationParams",
     "AxisLimits",
+    "BalanceLaw",
     "CascadeGains",
     "CascadeSettings",
     "ComputedTorqueSettings",
@@ -75,6 +79,7 @@ __all__ = [
     "LimitParams",
     "LoopMargin",
     "PathLaw",
+    "Pendulum",
     "PiParams",
     "PositionParams",
     "SampleTimes",

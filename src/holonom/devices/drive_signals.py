@@ -27,7 +27,8 @@ class WheelSignals(NamedTuple):
 
     counters: Counters  # measured: (4 k,) 16-bit counters at the motors
     currents: Array  # measured: (4 k,) A
-    inertial: Array  # measured: (3,) turning rate, rad/s; acceleration along x and y of base_link, m/s2
+    inertial: Array  # measured: (3,) turning rate, rad/s; acceleration along x and y of base_link, m/s2; of a body that
+    # balances (5,) along its own axes, then rate of pitch, rad/s, and acceleration along its z, m/s2
     voltages: Array  # commanded: (4 k,) V
     speeds: Array  # commanded: (4 k,) of the wheels, rad/s, for drives that close their own speed loops
     turned: Array  # measured: (4 k,) steering angles against rest, rad

@@ -11,7 +11,7 @@
 
 from holonom.sim.arm.plant import ArmPlant, AxisDrive, Ground
 from holonom.sim.arm.world import Disc, Fingers, Gripper, Surface, World
-from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch
+from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch, Step
 from holonom.sim.base.log import BaseTruth
 from holonom.sim.base.plant import BaseFault, BasePlant
 from holonom.sim.plants import PLANTS
@@ -35,6 +35,7 @@ __all__ = [
     "Material",
     "RectangularPatch",
     "RoundPatch",
+    "Step",
     "Surface",
     "World",
 ]

@@ -15,6 +15,7 @@ TABLES: Mapping[str, str] = MappingProxyType(
         "controllers": "holonom.control.methods:CONTROLLERS",
         "base_controllers": "holonom.control.methods:BASE_CONTROLLERS",
         "path_laws": "holonom.control.path_laws.methods:PATH_LAWS",
+        "balance_laws": "holonom.control.balance.methods:BALANCE_LAWS",
         "slip_detectors": "holonom.mobile.methods:SLIP_DETECTORS",
         "localisers": "holonom.mobile.methods:LOCALISERS",
         "odometry_rules": "holonom.mobile.odometry:RULES",

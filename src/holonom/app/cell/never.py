@@ -31,7 +31,7 @@ def refuse_never(cell: Cell, path: Path, arms: Sequence[ArmJob], bases: Sequence
 def too_late(cell: Cell) -> Iterator[str]:
     """Say of events and faults that they come after the run's last moment."""
     limit = cell.cell.time_limit
-    events = [(f"event of signal {event.signal}", event.at) for event in cell.event]
+    events = [(f"event of signal {event.signal}" if event.signal else "payload", event.at) for event in cell.event]
     for what, at in (*events, *((f"fault of {fault.wheel}", fault.time) for fault in cell.fault)):
         if at > limit:
             yield f"{what} at {at:g} s: the cell's time_limit is {limit:g} s"
@@ -66,5 +66,5 @@ def _unheard(cell: Cell, path: Path, arms: Sequence[ArmJob], bases: Sequence[Bas
 
 
 def _given(cell: Cell, bases: Sequence[BaseJob], robot: Robot) -> set[int | None]:
-    events = {event.signal for event in cell.event if event.on}
+    events = {event.signal for event in cell.event if event.signal is not None and event.on}
     return events | {base.task.done for base in bases if base.name != robot.name}

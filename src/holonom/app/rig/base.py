@@ -22,6 +22,7 @@ from holonom.machine.group import planar_pose
 from holonom.machine.supervisor import StopCategory
 from holonom.signals import Event, Sink
 from holonom.sim import BasePlant, Floor
+from holonom.sim.base.balancing import FALLEN
 from holonom.sim.base.log import of_wheels
 
 __all__ = ["BaseRig", "BaseTruthView", "make_base"]
@@ -53,7 +54,7 @@ def make_base(job: BaseJob, floor: Floor, rng: np.random.Generator) -> BaseLoop:
     path, twist = job.task.path, (0.0, 0.0, 0.0)
     if path is not None and job.task.after is None and job.task.start == 0.0:
         twist = tuple(path.twist[0])
-    loop.place(job.pose, twist)
+    loop.place(job.pose, twist, job.lean)
     return loop
 
 
@@ -85,6 +86,7 @@ class BaseRig:
         self._records = BaseRecords(job, creep_on(floor), controller.params.residual * controller.radii, sink)
         self._words = BaseWords(job.base.driven, floor.material.slip_at_peak, job.base, job.settings.keep)
         self._faults = sorted(job.faults, key=lambda fault: fault.time)
+        self._payloads = list(job.payloads)
         self._alone, self._log = alone, loop.buffer(0)
         self._began: float | None = None
         self._ended, self._stopping = False, False
@@ -166,6 +168,10 @@ class BaseRig:
             It did not do what it was to do.
         """
         task, now = self.job.task, self.loop.time
+        while self._payloads and self._payloads[0][0] <= now + 1e-9:
+            _, payload = self._payloads.pop(0)
+            self.loop.plant.carry(payload)
+            self.log("info", "plant", f"it carries {payload.mass:g} kg from here on")
         if self._began is None:
             waits = not self._signals.get(task.after) if task.after is not None else now < task.start
             if waits:
@@ -260,10 +266,17 @@ class BaseRig:
         self._end(self.outcome)
 
     def _tipped(self) -> str:
-        """What tips it, in words."""
+        """What tips it or makes it fall, in words."""
         plant, (ax, ay) = self.loop.plant, (float(self.loop.plant.state[name][0]) for name in ("ax", "ay"))
         height, time = 1e3 * self.job.base.com_height, plant.tipped or 0.0
         where = f" after {100.0 * (self.driven or 0.0):.0f} % of the path" if self._part is not None else ""
+        lean = float(plant.pitch[0])
+        if abs(lean) >= FALLEN:
+            return (
+                f"falls {'forwards' if lean > 0.0 else 'backwards'} at {time:.2f} s{where}: its body leans "
+                f"{np.degrees(abs(lean)):.0f} deg, more than its wheels can catch; drive more gently, begin more "
+                "upright, or give it stronger motors or more grip"
+            )
         return (
             f"tips over at {time:.2f} s{where}: {np.hypot(ax, ay):.1f} m/s2 are more than its wheels and a centre of "
             f"mass at {height:g} mm stand; accelerate and turn less, build lower, or move the centre of mass inwards"

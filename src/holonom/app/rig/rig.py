@@ -97,7 +97,8 @@ class Rig:
         self._ticks = 0
         put_stated(job, recorder)
         deciding = bool(job.arms or job.events or job.sensors or job.obstacles or len(job.bases) > 1)
-        deciding = deciding or any(b.task.velocities is not None or b.task.after is not None for b in job.bases)
+        for b in job.bases:
+            deciding = deciding or bool(b.task.velocities is not None or b.task.after is not None or b.payloads)
         self._step = 1 if deciding else LONG
         self._observe()
 

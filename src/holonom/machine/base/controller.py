@@ -14,6 +14,7 @@ from holonom.control.path_laws.compiled import MEMORY
 from holonom.control.path_laws.mpc import LEFT, LinearMpc
 from holonom.devices.drive_signals import WheelSignals
 from holonom.errors import ShapeError
+from holonom.machine.base.balancing import leaning_path, pendulum_of
 from holonom.machine.base.kernels import HOLD, PATH, RUNNING, VELOCITY, control_step
 from holonom.machine.base.known import TICK, base_params, known_wheel, max_rim_speed, wheel_loop
 from holonom.machine.base.laws import fitted_law
@@ -33,7 +34,7 @@ __all__ = ["TICK", "BaseController"]
 
 
 FOR_EVER = 1 << 40  # ms
-NO_PATH = np.zeros((0, 9))
+NO_PATH, NO_LEAN = np.zeros((0, 9)), np.zeros((0, 3))
 
 
 class BaseController:
@@ -90,7 +91,7 @@ class BaseController:
             np.zeros(lanes), np.zeros(lanes), np.full(3, np.nan), np.zeros(9),
             np.zeros(len(base.wheels)),
         )  # fmt: skip
-        self.task = BaseTask(NO_PATH)
+        self.task = BaseTask(NO_PATH, NO_LEAN)
         self._planner: LinearMpc | None = None
         if self.params.steered is None:
             share_force(self.params.pull_rows, self.params.pull, self.work.weights, self.work.share, self.states)
@@ -116,6 +117,10 @@ class BaseController:
                 state[f"seen_{name}"] = value
         for name in ("vx", "vy", "w"):
             state[f"command_{name}"] = state[f"shaped_{name}"] = state[f"seen_{name}"]
+        if self.params.balance is not None:  # at rest it hangs on what its accelerometers show
+            state["seen_pitch"] = -math.atan2(signals.inertial[1], signals.inertial[4])
+            state["seen_pitch_rate"] = state["pitch_bias"] = state["trim"] = 0.0
+            state["seen_along"] = twist[0]
         states["count"].flat[:] = (signals.counters + 0x8000) % 0x10000 - 0x8000
         states["seen_angle"] = states["counted"] = (states["count"] + 0.5) * self.wheels["encoder"]["resolution"]
         if self.params.steered is not None:
@@ -159,7 +164,7 @@ class BaseController:
         rows = np.ascontiguousarray(real_array("a path", path))
         if rows.ndim != 2 or rows.shape[1] != 9 or len(rows) == 0 or not np.isfinite(rows).all():
             raise ShapeError(f"a path has shape {rows.shape}; it must be (N, 9) with N of at least 1, finite")
-        self.task = BaseTask(rows)
+        self.task = BaseTask(rows, self._lean(rows))
         self._do(PATH)
         self.state["phase"] = self.state["law"] = 0.0
         self._planner = LinearMpc(self.law.settings) if isinstance(self.law, LinearMpc) else None
@@ -210,8 +215,17 @@ class BaseController:
         for name in ("x", "y", "theta"):
             self.state[f"hold_{name}"] = self.state[f"seen_{name}"]
 
+    def _lean(self, path: Array) -> Array:
+        """How a body that balances leans along a path (N, 9)."""
+        if self.params.balance is None:
+            return NO_LEAN
+        return leaning_path(pendulum_of(self.base, self.drive, self.params.balance.gains.max_force), path[:, 6], TICK)
+
     def _do(self, mode: int) -> None:
         state = self.state
+        for name in ("ahead_of", "led_rate", "led_change", "led_turn_rate", "led_turn_change"):
+            state[name] = 0.0
+        state["led"], state["led_turn"] = state["seen_along"], state["seen_w"]
         state["mode"], state["ended"] = mode, RUNNING
         for name in ("integral_x", "integral_y", "integral_theta"):
             state[name] = 0.0

@@ -28,6 +28,16 @@ from holonom.control.base.skid_kernels import SkidParams, skid_twist
 from holonom.control.path_laws.compiled import law_step
 from holonom.control.path_laws.kanayama import line_keeping_step
 from holonom.devices.drive_signals import WheelSignals
+from holonom.machine.base.balance_kernels import (
+    HOLD,
+    PATH,
+    VELOCITY,
+    balance,
+    lead,
+    look_at_pitch,
+    turn_with_body,
+    weigh_wheels,
+)
 from holonom.machine.base.params import BaseParams, BaseTask, Work
 from holonom.machine.base.steering_kernels import allowed, look_at, ready, rim_change, set_off, steer_along
 from holonom.machine.base.wheel_kernels import (
@@ -62,8 +72,6 @@ __all__ = [
     "say",
 ]
 
-PATH, VELOCITY, HOLD = 0, 1, 2
-"""What a base does: it keeps a path, follows velocities, holds its pose."""
 RUNNING, DONE, STOPPED = 0, 1, 2
 """How far its path is: under way, at its end, stopped by a jammed wheel."""
 KEEP_BOTH, KEEP_PATH, KEEP_HEADING = 0, 1, 2
@@ -90,8 +98,11 @@ def control_step(
     """From what is measured to voltages, in `signals`; all that evolves is in `state`, `states` and `work`."""
     base = state[0]
     base.gyro, base.imu_x, base.imu_y = signals.inertial[0], signals.inertial[1], signals.inertial[2]
+    look_at_pitch(params.balance, base, signals)
     look_at(params.steered, signals, work, wheels)
     _sense(params, base, signals, wheels, states, work)
+    turn_with_body(params.balance, base, states, work.rims, work.gripping)
+    weigh_wheels(params.balance, work.rows, base, work.rims)
     _detect(params, base, work)
     _react(params, task.path, base, wheels, states, work)
     change = max(min((base.goal - base.rate) / params.keeping.dt, params.rate_change), -params.rate_change)
@@ -106,7 +117,7 @@ def control_step(
         command = wanted = Planar(0.0, 0.0, 0.0)
     if len(params.skid.wheels):
         command = _skidding(params.keeping, base, command)
-    _drive(params, signals, command, wanted, twist, wheels, states)
+    _drive(params, task, signals, base, command, wanted, twist, wheels, states, work.now)
     base.phase += base.rate * set_off(params.steered, task.path, base, signals)
     base.rate += params.keeping.dt * change
     base.stood = base.stood + 1 if base.rate <= 0.0 else 0
@@ -237,6 +248,7 @@ def _shape(params: BaseParams, base: Any, signals: WheelSignals, rows: Array, no
     now[8] = base.shaped_aw
     for j in range(6, 9):
         now[j] *= part
+    lead(params.balance, base, now)
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -318,11 +330,13 @@ def _given_up(params: BaseParams, base: Any, command: Planar, twist: Planar) -> 
 
 @loop(error_model="numpy", forceinline=True)
 def _drive(
-    params: BaseParams, signals: WheelSignals, command: Planar, wanted: Planar, twist: Planar,
-    wheels: Records, states: Records,
+    params: BaseParams, task: BaseTask, signals: WheelSignals, base: Any, command: Planar, wanted: Planar,
+    twist: Planar, wheels: Records, states: Records, now: Array,
 ) -> None:  # fmt: skip
     """Rim speeds and forces for a twist and an acceleration of the base; voltages from them."""
     force = wrench_of(params.body, wanted, twist.turn)
+    if balance(params.balance, base, task.lean, now, wanted, signals, wheels, states, command, force):
+        return
     change = rim_change(params.steered, wanted, twist)
     part = driven_part(wheels, states, force)
     for i in range(len(wheels)):

@@ -10,12 +10,14 @@ import numpy as np
 from holonom.arrays import Array
 from holonom.control import ServoAxis
 from holonom.control.base.force_kernels import Body
-from holonom.control.base.kernels import EstimateParams
+from holonom.control.base.kernels import EstimateParams, WatchParams
 from holonom.control.base.shaping_kernels import AxisShape
 from holonom.control.base.skid_kernels import SkidParams
 from holonom.control.base.traction import TractionSettings, WatchSettings
 from holonom.control.base.tuning import WheelLoop, tune_wheel
 from holonom.devices import tracking_params
+from holonom.machine.base.balance_kernels import BalanceParams
+from holonom.machine.base.balancing import balance_params
 from holonom.machine.base.laws import Law, path_law_call
 from holonom.machine.base.params import BaseParams
 from holonom.machine.base.settings import KEEP, BaseSettings, Creep, slip_settings
@@ -40,6 +42,7 @@ COULOMB_SMOOTHING = 2.0  # rad/s of the motor, below which friction that is fed 
 FIRST = {"both": (1.0, 1.0, 1.0), "path": (1.0, 1.0, 0.03), "heading": (0.03, 0.03, 1.0)}
 """Weights of force and torque / R, where lost motors cannot make both."""
 SHARP = 0.6  # of the slip at which friction saturates: a skidding wheel slips far beyond where it is linear
+LEANING_PULL = 5.0  # m/s2 that wheels correct the estimate of a body by whose accelerometers lean with it
 LEAST_LOAD = 1e-3  # part of the weight below which a wheel carries nothing to speak of
 
 
@@ -53,7 +56,7 @@ def base_params(
     most = _max_force(drive, radii, cosines * bearing, settings.friction)
     coupling = coupling_at_rest(base)
     inverse = np.linalg.pinv(coupling.velocity)
-    slip = settings.slip if not base.steered and detectable(coupling) else None
+    slip = settings.slip if not (base.steered or base.balances) and detectable(coupling) else None
     if isinstance(slip, str):
         slip = slip_settings(settings.sensors, drive, float(radii.max()))
     slipping = slip_params(coupling, slip) if slip is not None else _no_slip_params(len(rows))
@@ -69,9 +72,10 @@ def base_params(
         law=path_law_call(law, TICK),
         estimate=_estimate_params(base, settings),
         traction=(settings.traction or TractionSettings()).params(TICK),
-        watch=(settings.watch or WatchSettings()).params(TICK),
+        watch=_watch_params(base, settings),
         slip=slipping,
         steered=_steered_params(base, drive) if base.steered else None,
+        balance=_balance(base, drive, settings, most),
         drivable=np.ascontiguousarray(drivable),
         residual=np.eye(len(rows)) - coupling.velocity @ inverse,
         inverse=np.ascontiguousarray(inverse),
@@ -115,7 +119,22 @@ def _skids(base: WheelBase) -> bool:
 def _estimate_params(base: WheelBase, settings: BaseSettings) -> EstimateParams:
     """Wheels that skid do not tell how fast the base turns, so nothing of the gyro's zero."""
     params = settings.estimate.params(TICK)
+    if base.balances:  # its accelerometers lean with it
+        params = params._replace(max_pull=LEANING_PULL)
     return params._replace(bias_gain=0.0) if _skids(base) else params
+
+
+def _balance(base: WheelBase, drive: BaseDrive, settings: BaseSettings, most: Array) -> BalanceParams | None:
+    """What keeps a body up, with the largest forces (m,) of its rims."""
+    if not base.balances or settings.balance is None:
+        return None
+    return balance_params(base, drive, settings.balance, float(most.sum()), TICK)
+
+
+def _watch_params(base: WheelBase, settings: BaseSettings) -> WatchParams:
+    """Wheels under a body that balances stand and turn as it needs: one that stands is not jammed."""
+    params = (settings.watch or WatchSettings()).params(TICK)
+    return params._replace(jam_patience=math.inf) if base.balances else params
 
 
 def _skid_params(base: WheelBase, creep: Creep, mass: float, loads: Array) -> SkidParams:

@@ -10,6 +10,7 @@ from holonom.control.base.kernels import EstimateParams, KeepingParams, Traction
 from holonom.control.base.shaping_kernels import ShapingParams
 from holonom.control.base.skid_kernels import SkidParams
 from holonom.control.path_laws.compiled import LawCall
+from holonom.machine.base.balance_kernels import BalanceParams
 from holonom.machine.base.steering_kernels import SteeredParams
 from holonom.mobile.drive.slip_kernels import SlipParams
 
@@ -28,6 +29,7 @@ class BaseParams(NamedTuple):
     skid: SkidParams
     slip: SlipParams
     steered: SteeredParams | None  # None: no wheel steers
+    balance: BalanceParams | None  # None: its body does not balance
     drivable: Array  # (3, 3) twist to the nearest one that drags no wheel, once those that steer have turned
     residual: Array  # (m, m) 1 - D D^+
     inverse: Array  # (3, m) D^+: (vx, vy, R w) per rim speed
@@ -55,6 +57,7 @@ class BaseTask(NamedTuple):
     """What the level above gave: the rest of a path; a twist is in the state, with its age."""
 
     path: Array  # (N, 9) pose, twist, acceleration at 1 kHz; (0, 9) without one
+    lean: Array  # (N, 3) of a body that balances: pitch, its rate, force that fit it; (0, 3) of others
 
 
 class Work(NamedTuple):

@@ -112,6 +112,19 @@ CONTROL_STATE = padded(
         ("gyro", F),  # last measured, rad/s and m/s2
         ("imu_x", F),
         ("imu_y", F),
+        ("seen_pitch", F),  # estimate of a body that balances: pitch, its rate, the gyro's zero, speed along the way
+        ("seen_pitch_rate", F),
+        ("pitch_bias", F),
+        ("seen_along", F),
+        ("led", F),  # speed that it is led to while it follows velocities, and its changes
+        ("led_rate", F),
+        ("led_change", F),
+        ("led_jerk", F),
+        ("led_turn", F),  # the same of its turning rate
+        ("led_turn_rate", F),
+        ("led_turn_change", F),
+        ("trim", F),  # what the rest of its pitch is off, rad
+        ("ahead_of", F),  # how far it is ahead of where it was to be, m
         ("ref_x", F),  # reference of this sample
         ("ref_y", F),
         ("ref_theta", F),

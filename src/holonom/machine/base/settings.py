@@ -6,6 +6,8 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from holonom.control.balance.contract import BalanceLaw
+from holonom.control.balance.lqr import LqrBalance
 from holonom.control.base.path_keeping import EstimateSettings, KeepingSettings
 from holonom.control.base.shaping import ShapingSettings
 from holonom.control.base.traction import TractionSettings, WatchSettings
@@ -92,6 +94,8 @@ class BaseSettings:
     law
         What `PATH_LAWS` makes: how a base that cannot move sideways keeps its path; None: Kanayama's with the gains of
         `keeping`.
+    balance
+        Law of a body that balances; None: it is held upright, by ideal drives.
     friction
         Friction coefficient that the force asked of a wheel counts on.
 
@@ -112,10 +116,11 @@ class BaseSettings:
     creep: Creep | None = None
     keep: str = "both"
     law: Law | None = None
+    balance: BalanceLaw | None = field(default_factory=LqrBalance)
 
     def without_motors(self) -> BaseSettings:
         """Return the settings for drives that turn as they are told: no current tells of slip or of lost motors."""
-        return replace(self, slip=None, traction=None, watch=None)
+        return replace(self, slip=None, traction=None, watch=None, balance=None)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.friction < math.inf:

@@ -51,13 +51,16 @@ def skid_steer(
 
 
 def segway(track: float, wheel_radius: float, **body: Unpack[Body]) -> WheelBase:
-    """An inverted pendulum on two driven wheels, "left" and "right", whose body balances about their axle."""
+    """An inverted pendulum on two driven wheels, "left" and "right", whose body balances about their axle.
+
+    Its centre of mass lies three wheel radii high unless `com_height` says otherwise.
+    """
     half = 0.5 * positive("segway", "track", track)
     wheels = [
         Wheel.at("fixed", 0.0, y, radius=wheel_radius, driven=True, name=name)
         for name, y in (("left", half), ("right", -half))
     ]
-    return body_of("segway", wheels, body, balances=True)
+    return body_of("segway", wheels, {"com_height": 3.0 * wheel_radius, **body}, balances=True)
 
 
 def rocker6(

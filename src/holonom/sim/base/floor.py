@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from holonom.errors import OutOfLimits
 
-__all__ = ["CARPET", "ICE", "Floor", "Material", "RectangularPatch", "RoundPatch", "floor_table"]
+__all__ = ["CARPET", "ICE", "Floor", "Material", "RectangularPatch", "RoundPatch", "Step", "floor_table", "step_table"]
 
 MATERIAL = np.dtype([("stiffness", np.float64), ("shape", np.float64), ("peak", np.float64)])
 """B (s/m), C, D of the magic formula."""
@@ -29,6 +29,9 @@ PATCH = np.dtype(
     ]
 )
 """A patch as the kernel tests it."""
+
+STEP = np.dtype([(name, np.float64) for name in ("x", "y", "cosine", "sine", "height")])
+"""An edge: a point of it, direction of its rise, height, m."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,6 +123,24 @@ class RoundPatch:
 
 
 @dataclass(frozen=True, slots=True)
+class Step:
+    """An edge across the floor, a straight line: a point of it (m), its height (m), the direction (rad) of its rise.
+
+    The floor is higher by it beyond the edge. Wheels roll over one that is lower than their radius; a higher one stops
+    them.
+    """
+
+    position: tuple[float, float]
+    height: float
+    rise: float = 0.0
+
+    def __post_init__(self) -> None:
+        _positive("Step", height=self.height)
+        if not all(math.isfinite(x) for x in (*self.position, self.rise)):
+            raise OutOfLimits(f"Step: position {self.position!r} m, rise {self.rise!r} rad; finite numbers are needed")
+
+
+@dataclass(frozen=True, slots=True)
 class Floor:
     """A floor of one material with patches; where patches overlap the last one counts.
 
@@ -128,12 +149,15 @@ class Floor:
     slope, uphill
         Angle (rad) of the whole floor against the horizontal, and the direction (rad, in the world) in which it
         rises. Places are measured along the floor.
+    steps
+        Edges across it.
     """
 
     material: Material = CARPET
     patches: tuple[RectangularPatch | RoundPatch, ...] = ()
     slope: float = 0.0
     uphill: float = 0.0
+    steps: tuple[Step, ...] = ()
 
     def __post_init__(self) -> None:
         if not (abs(self.slope) < 0.5 * math.pi and math.isfinite(self.uphill)):
@@ -146,6 +170,12 @@ def floor_table(floor: Floor) -> tuple[NDArray[np.void], NDArray[np.void]]:
     """Return the floor as records: its material (1,) of `MATERIAL`, its patches (k,) of `PATCH`."""
     rows = [_patch_row(patch) for patch in floor.patches]
     return np.array([_material_row(floor.material)], dtype=MATERIAL), np.array(rows, dtype=PATCH)
+
+
+def step_table(floor: Floor) -> NDArray[np.void] | None:
+    """Return the steps of a floor as records (k,) of `STEP`; None where there are none."""
+    rows = [(*step.position, math.cos(step.rise), math.sin(step.rise), step.height) for step in floor.steps]
+    return np.array(rows, dtype=STEP) if rows else None
 
 
 def _material_row(material: Material) -> tuple[float, float, float]:

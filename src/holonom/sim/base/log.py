@@ -34,6 +34,8 @@ class BaseTruth:
         (N, m) rim faster than the floor, m/s.
     energy
         (N, 5) J since the start: supplied, armature heat, air-gap work, lost in motors and gears, lost on the floor.
+    pitch
+        (N,) of a body that balances, forwards, rad.
     """
 
     time: Array
@@ -50,6 +52,7 @@ class BaseTruth:
     friction_limits: Array
     slip: Array
     energy: Array
+    pitch: Array
 
 
 def truth_of(time: Array, body: NDArray[np.void], wheels: NDArray[np.void], count: int) -> BaseTruth:
@@ -69,6 +72,7 @@ def truth_of(time: Array, body: NDArray[np.void], wheels: NDArray[np.void], coun
         friction_limits=of_wheels(wheels, "friction_limit", count),
         slip=of_wheels(wheels, "slip", count),
         energy=columns(body, "supplied", "heat", "airgap", "drag", "ground"),
+        pitch=body["pitch"],
     )
 
 

@@ -29,6 +29,7 @@ def log_body(known: Any, body: Any, row: Any) -> None:
     row.ax, row.ay = body.ax, body.ay
     row.supplied, row.heat, row.airgap = body.supplied, body.heat, body.airgap
     row.drag, row.ground = body.drag, body.ground
+    row.pitch = body.pitch
 
 
 @loop(error_model="numpy", forceinline=True)

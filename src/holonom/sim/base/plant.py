@@ -12,15 +12,18 @@ from numpy.typing import ArrayLike, NDArray
 from holonom.arrays import Array, finite_array, real_array, whole_number
 from holonom.devices.drive_signals import WheelSignals
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
+from holonom.mobile.base.payload import Payload, loaded
 from holonom.mobile.base.wheel_base import WheelBase
-from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive, BaseSensors, base_mass, load_shares, supports
-from holonom.sim.base.floor import Floor, floor_table
-from holonom.sim.base.kernels import BLOCKED, DEAD, STUCK, Supports
+from holonom.mobile.drive.base_drive import BaseDrive, BaseSensors
+from holonom.sim.base.balancing import axle_of, kinetic_energy
+from holonom.sim.base.bodies import bodies_of
+from holonom.sim.base.floor import Floor, floor_table, step_table
+from holonom.sim.base.kernels import BLOCKED, DEAD, STUCK
 from holonom.sim.base.log import BaseTruth, truth_of
 from holonom.sim.base.log_kernels import drive_open
-from holonom.sim.base.records import BODY, BODY_SAMPLE, BODY_STATE, WHEEL, WHEEL_SAMPLE, WHEEL_STATE
+from holonom.sim.base.records import BODY_SAMPLE, BODY_STATE, WHEEL_SAMPLE, WHEEL_STATE
 from holonom.sim.base.step_kernels import BasePlantParams, SensorParams, base_acceleration, sense
-from holonom.sim.base.wheel_rows import Lane, lanes_of, wheel_row
+from holonom.sim.base.wheel_rows import Lane, lanes_of
 from holonom.trace.call.records import aligned_records, side_by_side
 from holonom.trace.code.simd import WIDTH
 
@@ -28,8 +31,6 @@ __all__ = ["FAULTS", "TICK", "BaseFault", "BasePlant", "simulated_lanes"]
 
 
 Records = NDArray[np.void]
-NOTHING = ("share", "share_x", "share_y", "turns", "servo", "lever", "pivot_drag", "reach")
-"""What is 0 of the lanes that only fill up a four."""
 TICK = 1e-3
 """Time (s) that one step of the plant takes; sensors are read after each."""
 FAULTS = {"dead": DEAD, "blocked": BLOCKED, "stuck": STUCK}
@@ -80,7 +81,7 @@ class BasePlant:
     rng
         Source of the sensors' noise; without one they have none.
     substeps
-        Steps of the plant per millisecond; None: 2, and 4 where wheels steer, trail or skid.
+        Steps of the plant per millisecond; None: 2, 4 where wheels steer, trail or skid, 8 where the body balances.
     ideal
         Wheels turn as they are told and never slip: no motors, no floor.
 
@@ -107,26 +108,28 @@ class BasePlant:
         ideal: bool = False,
     ) -> None:
         quick = all(wheel.kind in ("swedish", "fixed", "spherical", "ball") for wheel in base.wheels)
-        substeps = whole_number("BasePlant: substeps", (2 if quick else 4) if substeps is None else substeps, least=1)
+        usual = 8 if base.balances else 2 if quick else 4
+        substeps = whole_number("BasePlant: substeps", usual if substeps is None else substeps, least=1)
         self.base, self.drive, self.rng = base, drive, rng
-        self.mass = base_mass(base)
+        self.floor, self._empty, self._substeps = floor, base, substeps
         self.lanes, self.radii = simulated_lanes(base), base.wheel_radii
         self.rows = base.rest_coupling * [1.0, 1.0, base.radius]
         """(m, 3) rim speeds (m/s) of the driven wheels per (vx, vy, w), steered ones at rest."""
-        self.support, contacts = load_shares(base), supports(base)
+        bodies = bodies_of(base, drive, floor, self.lanes, substeps)
+        self.centre = bodies.centre
+        """(2,) in base_link: the centre of mass; of a body that balances the place on its axle beside it."""
         broken = sorted((round(f.time / TICK), self._broken_lane(f), FAULTS[f.kind]) for f in faults)
-        bearing = 1 + max(lane.support for lane in self.lanes)
         turns = any(lane.wheel.kind in ("steered", "castor") for lane in self.lanes)
         self.params = BasePlantParams(
-            self._body(floor, substeps),
-            side_by_side(self._wheels(contacts, TICK / substeps), **dict.fromkeys(NOTHING, 0.0)),
-            Supports(
-                self.support[bearing:], np.ascontiguousarray(contacts), np.zeros(len(contacts)), contacts.mean(axis=0)
-            ),
+            bodies.body,
+            bodies.wheels,
+            bodies.supports,
             *floor_table(floor),
             np.array(broken, dtype=np.int64).reshape(-1, 3),
             SensorParams(*astuple(sensors)),
             1 if turns else None,
+            bodies.lean,
+            step_table(floor),
             ideal,
             self._forward(),
         )
@@ -137,26 +140,10 @@ class BasePlant:
         self.states = side_by_side(states, conducts=0.0)
         lanes = WIDTH * len(self.states)
         zeros = [np.zeros(lanes) for _ in range(4)]
-        self.signals = WheelSignals(np.zeros(lanes, np.int64), np.zeros(lanes), np.zeros(3), *zeros)
+        inertial = np.zeros(5 if base.balances else 3)
+        self.signals = WheelSignals(np.zeros(lanes, np.int64), np.zeros(lanes), inertial, *zeros)
         """What its sensors read last, and the voltages that it is driven with."""
-        self._place((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), np.zeros(3 + WIDTH * len(self.states)))
-
-    def _body(self, floor: Floor, substeps: int) -> Records:
-        """The body as a record, on a floor that may be a slope."""
-        base, down = self.base, -GRAVITY * math.sin(floor.slope)
-        inertia = base.alpha * self.mass * base.radius**2
-        along = (down * math.cos(floor.uphill), down * math.sin(floor.uphill))
-        row = (self.mass, inertia, base.com_height, TICK / substeps, substeps, *base.com.tolist(), *along)
-        return aligned_records([(*row, GRAVITY * math.cos(floor.slope))], BODY)
-
-    def _wheels(self, contacts: Array, dt: float) -> Records:
-        """The lanes as records, one by one."""
-        reach, usual = max(float(np.hypot(*contacts.T).max()), 1e-3), float(self.radii.mean())
-        rows = [
-            wheel_row(lane, contacts[lane.support], self.support[lane.support], self.drive, dt, reach, usual)
-            for lane in self.lanes
-        ]
-        return np.array(rows, WHEEL)
+        self._place((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), self.noise(1)[0] * 0.0)
 
     @property
     def time(self) -> float:
@@ -167,14 +154,19 @@ class BasePlant:
     def pose(self) -> Array:
         """True pose (3,) of base_link: x, y, theta in the world."""
         x, y, theta = (float(self.state[name][0]) for name in ("x", "y", "theta"))
-        (dx, dy), c, s = self.base.com, math.cos(theta), math.sin(theta)
+        (dx, dy), c, s = self.centre, math.cos(theta), math.sin(theta)
         return np.array([x - c * dx + s * dy, y - s * dx - c * dy, theta])
 
     @property
     def twist(self) -> Array:
         """True twist (3,) of base_link, along its axes."""
         vx, vy, w = (float(self.state[name][0]) for name in ("vx", "vy", "w"))
-        return np.array([vx + w * self.base.com[1], vy - w * self.base.com[0], w])
+        return np.array([vx + w * self.centre[1], vy - w * self.centre[0], w])
+
+    @property
+    def pitch(self) -> Array:
+        """True pitch (2,) of a body that balances, forwards, and its rate: rad, rad/s."""
+        return np.array([self.state["pitch"][0], self.state["pitch_rate"][0]])
 
     @property
     def acceleration(self) -> Array:
@@ -187,8 +179,29 @@ class BasePlant:
         tick = int(self.state["tipped"][0])
         return tick * TICK if tick else None
 
+    def lean(self, pitch: float, rate: float = 0.0) -> None:
+        """Lean a body that balances forwards by an angle (rad), turning at a rate (rad/s); its wheels roll on.
+
+        Raises
+        ------
+        ModelError
+            A body that does not balance.
+        OutOfLimits
+            An angle at which it has fallen, a number that is none.
+        """
+        lean = self.params.lean
+        if lean is None:
+            raise ModelError(f"base {self.base.name!r} does not balance its body; only a segway leans")
+        if not (abs(pitch) < lean.limit and math.isfinite(rate)):
+            raise OutOfLimits(f"pitch is {pitch!r} rad, its rate {rate!r} rad/s; it must be below {lean.limit:.3g} rad")
+        self.states["speed"] -= np.where(self.params.wheels["coupled"] > 0.0, rate - self.state["pitch_rate"][0], 0.0)
+        self.state["pitch"], self.state["pitch_rate"] = pitch, rate
+        sense(self.params, self.state, self.states, self.signals, self.noise(1)[0])
+
     def place(self, pose: ArrayLike, twist: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         """Put the base at a pose (3,) with a twist (3,) in base_link, wheels steered and rolling, and read its sensors.
+
+        A body that balances stands upright.
 
         Raises
         ------
@@ -199,6 +212,29 @@ class BasePlant:
         """
         pose, twist = finite_array("pose", pose, (3,)), finite_array("twist", twist, (3,))
         self._place(pose, twist, self.noise(1)[0], self._steered_to(twist))
+
+    def carry(self, payload: Payload) -> None:
+        """Carry a payload from now on, instead of what was carried; it goes on as it moved.
+
+        Nobody tells the controller.
+
+        Raises
+        ------
+        ModelError
+            With it, a body that balances would be turned by its pitch.
+        """
+        base, pose, twist = loaded(self._empty, payload), self.pose, self.twist
+        bodies = bodies_of(base, self.drive, self.floor, self.lanes, self._substeps)
+        self.base, self.centre = base, bodies.centre
+        self.params = self.params._replace(
+            body=bodies.body, wheels=bodies.wheels, supports=bodies.supports, lean=bodies.lean
+        )
+        self.params = self.params._replace(forward=self._forward())
+        self._locate(pose, twist)
+        wheels, states = bodies.wheels, self.states
+        for name in ("along", "across"):
+            x, y = states[f"{name}_x"], states[f"{name}_y"]
+            states[f"{name}_arm"] = wheels["x"] * y - wheels["y"] * x
 
     def _steered_to(self, twist: Array) -> Array:
         """Angles of the lanes against rest with which the base moves so; castors trail."""
@@ -231,20 +267,25 @@ class BasePlant:
         states["swing"].flat[:] = flat["turns"] * w
 
     def _place(self, pose: ArrayLike, twist: ArrayLike, noise: Array, steering: Array | None = None) -> None:
-        state, states, (dx, dy) = self.state[0], self.states, self.base.com
-        (x, y, theta), (vx, vy, w) = np.asarray(pose, float), np.asarray(twist, float)
-        c, s = math.cos(theta), math.sin(theta)
-        state["x"], state["y"], state["theta"] = x + c * dx - s * dy, y + s * dx + c * dy, theta
-        state["vx"], state["vy"], state["w"] = vx - w * dy, vy + w * dx, w
+        state, states = self.state[0], self.states
+        self._locate(np.asarray(pose, float), np.asarray(twist, float))
+        state["pitch"] = state["pitch_rate"] = state["pitch_acceleration"] = 0.0
         state["tipping"] = state["tipped"] = 0
         state["near"], state["fault"] = True, 0
         self._roll(
-            np.zeros(len(self.lanes)) if steering is None else steering, float(state["vx"]), float(state["vy"]), w
+            np.zeros(len(self.lanes)) if steering is None else steering, *(float(state[v]) for v in ("vx", "vy", "w"))
         )
         sense(self.params, self.state, states, self.signals, noise)
 
+    def _locate(self, pose: Array, twist: Array) -> None:
+        """Put the centre of mass where it is at a pose and a twist of base_link."""
+        state, (dx, dy), (x, y, theta), (vx, vy, w) = self.state[0], self.centre, pose, twist
+        c, s = math.cos(theta), math.sin(theta)
+        state["x"], state["y"], state["theta"] = x + c * dx - s * dy, y + s * dx + c * dy, theta
+        state["vx"], state["vy"], state["w"] = vx - w * dy, vy + w * dx, w
+
     def noise(self, ticks: int) -> Array:
-        """Standard normal numbers (ticks, 3 + 4 n) for the sensors of as many milliseconds.
+        """Standard normal numbers (ticks, 3 + 4 n) for the sensors of as many milliseconds; 2 more where it balances.
 
         Raises
         ------
@@ -252,15 +293,17 @@ class BasePlant:
             Not a whole number of them, or a negative one.
         """
         ticks = whole_number("ticks", ticks)
-        found = np.zeros((ticks, 3 + WIDTH * len(self.states)))
+        more = 2 if self.base.balances else 0
+        found = np.zeros((ticks, 3 + WIDTH * len(self.states) + more))
         if self.rng is not None:
             count = 3 + len(self.base.driven)
             found[:, :count] = self.rng.standard_normal((ticks, count))
+            found[:, found.shape[1] - more :] = self.rng.standard_normal((ticks, more))
         return found
 
     def _forward(self) -> Array:
         """(3, 4 n) twist of the centre of mass per wheel speed, rad/s, by least squares among those that drag none."""
-        found, (x, y) = np.zeros((3, -(-len(self.lanes) // WIDTH) * WIDTH)), self.base.com
+        found, (x, y) = np.zeros((3, -(-len(self.lanes) // WIDTH) * WIDTH)), self.centre
         if self.base.steered:
             return found
         moved = np.array([[1.0, 0.0, -y], [0.0, 1.0, x], [0.0, 0.0, 1.0]])
@@ -281,12 +324,14 @@ class BasePlant:
             raise ShapeError(f"voltages have shape {u.shape}; they must be (N, {m}), finite: one column per motor")
         body_log, wheel_log = np.zeros(len(u), BODY_SAMPLE), np.zeros((len(u), len(self.states)), WHEEL_SAMPLE)
         time = self.time + TICK * np.arange(len(u), dtype=np.float64)
-        still = np.zeros(3 + WIDTH * len(self.states))
+        still = np.zeros(self.noise(0).shape[1])
         drive_open(self.params, self.state, self.states, self.signals, still, u, body_log, wheel_log)
         return truth_of(time, body_log, wheel_log, m)
 
     def kinetic_energy(self) -> float:
         """Kinetic energy (J) of body, wheels and rotors."""
+        if self.params.lean is not None:
+            return kinetic_energy(self.params.lean, self.state[0], self.params.wheels, self.states)
         s, body = self.state[0], self.params.body[0]
         moving = 0.5 * body["mass"] * (s["vx"] ** 2 + s["vy"] ** 2) + 0.5 * body["inertia"] * s["w"] ** 2
         wheels, states = self.params.wheels, self.states
@@ -331,10 +376,11 @@ def simulated_lanes(base: WheelBase) -> list[Lane]:
     Raises
     ------
     ModelError
-        A kind of wheel that is not, or steered wheels beside such with rollers; a body that balances.
+        A kind of wheel that is not, or steered wheels beside such with rollers; a body that balances on
+        anything but one axle.
     """
     if base.balances:
-        raise ModelError(f"base {base.name!r} balances its body; an inverted pendulum is not simulated yet")
+        axle_of(base)
     rolling = [wheel.name for wheel in base.wheels if wheel.kind in ("swedish", "ball")]
     if base.steered and rolling:
         raise ModelError(f"base {base.name!r} has steered wheels beside {rolling[0]!r}, which is not simulated yet")

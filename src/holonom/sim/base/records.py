@@ -23,6 +23,8 @@ WHEEL = np.dtype(
         ("along_radius", F),  # slip along and across per wheel speed, m: r cos(gamma), -r sin(gamma)
         ("across_radius", F),
         ("reach", F),  # of the base: from its centre of mass to the farthest contact, m
+        ("radius", F),
+        ("largest", F),  # of the base: radius of its largest wheel
         ("gain", F),  # gear: wheel torque per motor torque, driving and driven back
         ("gain_back", F),
         ("current_slope", F),  # A s/rad that back-emf takes in a step as the motor turns faster
@@ -32,6 +34,7 @@ WHEEL = np.dtype(
         ("share_x", F),
         ("share_y", F),
         ("inertia", F),  # wheel and geared rotor, kg m2
+        ("coupled", F),  # that a pitching body shares with it: I + N J of wheel and rotor, kg m2
         ("torque_constant", F),  # N m/A
         ("turns", F),  # 1 or 0: about its vertical axis, as a steered wheel and a castor do
         ("servo", F),  # 1 or 0: a motor turns it
@@ -104,8 +107,18 @@ BODY_STATE = padded(
         ("ax", F),  # the same, m/s2 and rad/s2
         ("ay", F),
         ("aw", F),
+        ("pitch", F),  # of a body that balances, forwards, rad; rad/s; rad/s2
+        ("pitch_rate", F),
+        ("pitch_acceleration", F),
         ("down_x", F),  # gravity along the floor, along the axes of base_link, m/s2; set anew each millisecond
         ("down_y", F),
+        (
+            "push_x",
+            F,
+        ),  # of the edges of steps, at the centre of mass: N, N, N m; work done against them, J
+        ("push_y", F),
+        ("push_turn", F),
+        ("lifted", F),
         ("light", I),  # 1 or 0: no loads of its wheels carry it
         ("tipping", I),  # ms for which no loads of its wheels carried it, less those for which some did
         ("tipped", I),  # tick at which it fell over; 0: it stands
@@ -125,11 +138,11 @@ BODY_SAMPLE = np.dtype(
     [
         (name, F)
         for name in (
-            "x", "y", "theta", "vx", "vy", "w", "ax", "ay", "supplied", "heat", "airgap", "drag", "ground",
+            "x", "y", "theta", "vx", "vy", "w", "ax", "ay", "supplied", "heat", "airgap", "drag", "ground", "pitch",
         )
     ]
 )  # fmt: skip
-"""base_link at one millisecond: pose and twist; acceleration of the centre of mass along its axes; energies."""
+"""base_link at one millisecond: pose and twist; acceleration of the centre of mass along its axes; energies; pitch."""
 
 WHEEL_SAMPLE = np.dtype(
     [

@@ -12,6 +12,7 @@ from holonom.devices.drive_signals import WheelSignals
 from holonom.devices.kernels import EncoderParams, encoder_counter
 from holonom.numeric.small_kernels import solve_positive3
 from holonom.sim.base.kernels import Supports, break_motor, plant_steps
+from holonom.sim.base.lean_kernels import LeanParams
 from holonom.trace.code.compiled import sincos
 from holonom.trace.code.loops import loop
 from holonom.trace.code.simd import WIDTH, load, packed, store
@@ -48,6 +49,8 @@ class BasePlantParams(NamedTuple):
     faults: Integers  # (f, 3) tick, wheel, kind, in order of time
     sensors: SensorParams
     turning: int | None  # None: no wheel turns about its vertical axis
+    lean: LeanParams | None  # None: the body does not balance
+    steps: Records | None  # None: the floor has none
     ideal: bool  # wheels turn as they are told, and do not slip
     forward: Array  # (3, 4 n) twist (vx, vy, w) of the centre of mass per wheel speed where nothing slips
 
@@ -56,7 +59,7 @@ class BasePlantParams(NamedTuple):
 def advance(params: BasePlantParams, state: Records, states: Records, signals: WheelSignals, noise: Array) -> None:
     """One millisecond under the voltages of `signals`, then what the sensors read, in it.
 
-    `noise` (3 + 4 n,) are standard normal numbers: gyro, accelerometers, shunts.
+    `noise` (3 + 4 n,) are standard normal numbers: gyro, accelerometers, shunts; two more where the body balances.
     """
     body = state[0]
     if params.ideal:
@@ -72,11 +75,12 @@ def advance(params: BasePlantParams, state: Records, states: Records, signals: W
     body.down_y = body.cosine * known.slope_y - body.sine * known.slope_x
     if params.turning is not None:
         _ask(params.wheels, states, signals.steering)
-    plant_steps(known, body, params.wheels, states, params.supports, params.turning)
+    plant_steps(known, body, params.wheels, states, params.supports, params.turning, params.lean, params.steps)
     body.tick += 1
     body.tipping = body.tipping + 1 if body.light != 0 else max(body.tipping - 1, 0)
     if body.tipping >= TIPS and body.tipped == 0:
         body.tipped = body.tick
+    _fall(params.lean, body)
     sense(params, state, states, signals, noise)
 
 
@@ -91,6 +95,7 @@ def sense(params: BasePlantParams, state: Records, states: Records, signals: Whe
     signals.inertial[0] = body.w + sensors.gyro_bias + sensors.gyro_noise * noise[0]
     ax, ay = base_acceleration(params.body[0], body)
     ax, ay = ax - body.down_x, ay - body.down_y  # at rest on a slope they show it
+    ax = _sense_pitch(params.lean, sensors, body, signals, noise, ax)
     signals.inertial[1] = ax + sensors.accelerometer_bias + sensors.accelerometer_noise * noise[1]
     signals.inertial[2] = ay + sensors.accelerometer_bias + sensors.accelerometer_noise * noise[2]
     for i in range(len(states)):
@@ -103,6 +108,34 @@ def sense(params: BasePlantParams, state: Records, states: Records, signals: Whe
         if params.turning is not None:
             turned = packed(wheel).steering.step * (np.floor(packed(own).turned / packed(wheel).steering.step) + 0.5)
             store(signals.turned, i, packed(wheel).turns * turned)
+
+
+@loop(error_model="numpy", forceinline=True)
+def _sense_pitch(
+    lean: LeanParams | None, sensors: SensorParams, body: Any, signals: WheelSignals, noise: Array, ax: float
+) -> float:
+    """What an IMU at the axle, which pitches with the body, reads beside: rate of pitch, acceleration along its z.
+
+    Returns the acceleration along its x.
+    """
+    if lean is None:
+        return ax
+    s, c = sincos(body.pitch)
+    signals.inertial[0] += body.w * (c - 1.0)
+    last = len(noise) - 2
+    signals.inertial[3] = body.pitch_rate + sensors.gyro_bias + sensors.gyro_noise * noise[last]
+    up = s * ax + c * lean.gravity
+    signals.inertial[4] = up + sensors.accelerometer_bias + sensors.accelerometer_noise * noise[last + 1]
+    return c * ax - s * lean.gravity
+
+
+@loop(error_model="numpy", forceinline=True)
+def _fall(lean: LeanParams | None, body: Any) -> None:
+    """A body that balances and leans too far has fallen."""
+    if lean is None:
+        return
+    if abs(body.pitch) >= lean.limit and body.tipped == 0:
+        body.tipped = body.tick
 
 
 @loop(error_model="numpy", forceinline=True)

@@ -94,12 +94,13 @@ def lanes_of(base: WheelBase) -> list[Lane]:
 
 
 def wheel_row(
-    lane: Lane, at: Array, share: Array, drive: BaseDrive, dt: float, reach: float, usual: float
+    lane: Lane, at: Array, share: Array, drive: BaseDrive, dt: float, reach: float, radii: Array
 ) -> tuple[object, ...]:  # fmt: skip
     """Return a wheel as a row of `WHEEL`: at a place about the centre of mass, with a share of the weight.
 
-    `usual` is the radius (m) of the wheels whose inertia the drive states: a free one has it by the fourth power.
+    `radii` (m) are those of the wheels whose inertia the drive states: a free one has it by the fourth power.
     """
+    usual, largest = float(radii.mean()), float(radii.max())
     wheel, (x, y) = lane.wheel, at.tolist()
     spin = drive.wheel_inertia * (wheel.radius / usual) ** 4
     own = SIMULATED[wheel.kind](wheel, drive, spin)
@@ -112,10 +113,11 @@ def wheel_row(
     return (
         x, y, math.cos(heading), math.sin(heading),
         wheel.radius * own.get("along", 1.0), wheel.radius * own.get("across", 0.0),
-        reach, ratio * efficiency, ratio / efficiency,
+        reach, wheel.radius, largest, ratio * efficiency, ratio / efficiency,
         armature.conductance * (1.0 - armature.decay) * armature.back_emf,
         own.get("rollers", 0.0), own.get("drag", 0.0), *share,
-        drive.inertia if driven else spin, motor.torque_constant if driven else 0.0,
+        drive.inertia if driven else spin,
+        drive.wheel_inertia + ratio * motor.rotor_inertia if driven else spin, motor.torque_constant if driven else 0.0,
         own.get("turns", 0.0), own.get("servo", 0.0), own.get("lever", 0.0), own.get("pivot_drag", 0.0),
         tuple(own.get("steering", drive.steering.params())),
         tuple(armature), tuple(friction.params(COULOMB_SMOOTHING)),

@@ -7,28 +7,25 @@ from pathlib import Path
 
 import numpy as np
 
+from holonom.app.cell.build.base_task import base_task, check_path, path_law
 from holonom.app.cell.load import place_in
 from holonom.app.cell.model.cell import Cell
 from holonom.app.cell.model.drives import BaseLimits, BaseParts, WheelDrive, levels_of
 from holonom.app.cell.model.places import placement_pose
 from holonom.app.cell.model.robot import Robot
-from holonom.app.cell.model.tasks import FAULTS, PathTable, StartTable
-from holonom.app.job import BaseJob, PathTolerance, Task
+from holonom.app.cell.model.tasks import FAULTS
+from holonom.app.job import BaseJob
 from holonom.app.report.findings.base_outline import margin_of
 from holonom.arrays import Array
-from holonom.control.base.path_keeping import KeepingSettings
 from holonom.control.base.shaping import ShapingSettings
-from holonom.control.path_laws.mpc import LinearMpc
 from holonom.devices import DcMotor, Encoder, Friction, Gear, SteeringMotor
 from holonom.errors import CellError, InputError, ModelError
-from holonom.machine import PATHS, BaseSettings, PathLimits, ReferencePath, plan_path
-from holonom.machine.base.laws import Law, fitted_law, limited_law, usual_law
+from holonom.machine import BaseSettings, ReferencePath
 from holonom.mobile import BaseDrive, BaseSensors, WheelBase
-from holonom.mobile.base.drivable import moves_sideways
-from holonom.mobile.curves import Curves
+from holonom.mobile.base.payload import Payload, loaded
 from holonom.mobile.drive.sized import sized_base_drive
-from holonom.mobile.odometry import integrate
 from holonom.sim import BaseFault
+from holonom.sim.base.balancing import FALLEN
 from holonom.sim.base.plant import simulated_lanes
 from holonom.spatial import pose
 
@@ -36,19 +33,6 @@ __all__ = ["build_base_job", "deck_height", "refuse_unsimulated", "unsimulated"]
 
 DECK = 2.6
 """Height of a drawn deck over the radius of the largest wheel."""
-LEAST = 0.01  # m that it may be off in any case
-AROUND = np.radians(10.0)  # that the heading may be off where the cell says nothing
-CORNER = 0.2  # rad, of arcs that the box of commanded velocities is measured by
-BESIDE = 0.05  # of the larger side of a path's box, that a base may be off it where the cell says nothing
-EVERY = 20  # samples of a path, of which one is looked at
-LAW_LIMITS = {
-    "speed": "max_speed",
-    "acceleration": "max_acceleration",
-    "turn_rate": "max_turn_rate",
-    "turn_acceleration": "max_turn_acceleration",
-}
-"""Limits of a cell, as a law of paths calls them."""
-ASTRAY = 1e-3  # m/s by which wheels may be dragged
 AWAY = 1e-3  # m and rad that the start of a path may lie beside the pose that a cell states
 
 
@@ -97,18 +81,21 @@ def build_base_job(cell: Cell, number: int, path: Path, sensors: BaseSensors) ->
         key = "steering"
         drive, told = _with_steering(robot, base, drive)
         key = "path"
-        task = _task(robot)
+        task = base_task(robot)
         key = "limits"
         settings = _settings(robot, sensors)
+        key = "pose"
+        lean = _lean(robot)
         key = "law"
-        settings = dataclasses.replace(settings, law=_law(robot, base, task.path))
+        settings = dataclasses.replace(settings, law=path_law(robot, base, task.path))
     except InputError as problem:
         keys = ("path", key) if key == "law" else (key,)
         raise CellError(f"{place_in(path, *at, *keys)}: {problem}") from None
     notes += told
     if task.path is not None:
-        notes += _check_path(robot, task, path, at)
+        notes += check_path(robot, task, path, at, simulated=unsimulated(base) is None)
     _check_stand(base, path, at)
+    notes += _check_balance(robot, base, path, at)
     start = _start(robot, task.path, path, at)
     why = unsimulated(base)
     if why is not None:
@@ -118,7 +105,21 @@ def build_base_job(cell: Cell, number: int, path: Path, sensors: BaseSensors) ->
     faults = tuple(BaseFault(f.time, f.wheel, FAULTS[f.kind]) for f in cell.fault if cell.robot_of(f.robot) is robot)
     frames = {"base_link": np.eye(4), "top": pose((0.0, 0.0, deck_height(base)))}
     levels = levels_of(robot.levels, place_in(path, "robot", number, "levels"))
-    job = BaseJob(robot.name, base, drive, drives, settings, sensors, start, task, faults, frames, levels)
+    job = BaseJob(
+        robot.name,
+        base,
+        drive,
+        drives,
+        settings,
+        sensors,
+        start,
+        task,
+        faults,
+        frames,
+        levels,
+        lean,
+        _payloads(cell, robot, base, path),
+    )
     return job, tuple(f"{called}: {note}" for note in notes)
 
 
@@ -132,7 +133,9 @@ def _unfelt(cell: Cell, robot: Robot, drives: str, path: Path) -> tuple[str, ...
             raise CellError(
                 f"{place}: it came; the ideal drives of {robot.name or 'the base'} have no motors that break"
             )
-    return ("ideal drives do not slip, so patches of the floor change nothing for it",) if cell.patch else ()
+    felt = {"patches of the floor": cell.patch, "its slope": cell.floor.slope, "its steps": cell.floor.steps}
+    unfelt = [what for what, there in felt.items() if there]
+    return (f"ideal drives do not slip, so {' and '.join(unfelt)} change nothing for it",) if unfelt else ()
 
 
 def _drive(robot: Robot, base: WheelBase) -> tuple[BaseDrive, str, tuple[str, ...]]:
@@ -195,128 +198,47 @@ def _settings(robot: Robot, sensors: BaseSensors) -> BaseSettings:
         traction=settings.traction if parts.traction_control else None,
         watch=settings.watch if parts.dead_motor_compensation else None,
         keep=robot.path.keep if robot.path is not None else settings.keep,
+        balance=settings.balance if robot.balance is None else robot.balance.make(),
     )
 
 
-def _law(robot: Robot, base: WheelBase, planned: ReferencePath | None) -> Law | None:
-    """The law of its path within the limits that the cell states; None where nothing is stated of either.
-
-    Raises
-    ------
-    CellError
-        A path that passes limits of the law that was chosen.
-    ModelError
-        A law for a base that moves sideways.
-    MissingExtra
-        A law whose library is not installed.
-    """
-    if robot.path is None or planned is None:
-        return None
-    chosen, limits = robot.path.law, robot.limits
-    assert isinstance(limits, BaseLimits)
-    if chosen is None and (moves_sideways(base) or not set(LAW_LIMITS) & limits.model_fields_set):
-        return None
-    law: Law = usual_law(KeepingSettings()) if chosen is None else chosen.make()
-    fitted_law(law, base, KeepingSettings(), np.inf)
-    if isinstance(law, LinearMpc):
-        law.check_library()
-    asked = {"speed": np.abs(planned.twist[:, 0]).max(), "turn_rate": np.abs(planned.twist[:, 2]).max()}
-    for key, most in asked.items():
-        allowed = getattr(law.settings, LAW_LIMITS[key])
-        if chosen is not None and most > allowed * (1.0 + 1e-6):
-            raise CellError(
-                f"{LAW_LIMITS[key]} of {chosen.name} is {allowed:g}; the path asks for {most:.4g}: drive it slower, or "
-                f"state {LAW_LIMITS[key]}"
-            )
-    return limited_law(
-        law, {LAW_LIMITS[key]: getattr(limits, key) for key in LAW_LIMITS if key in limits.model_fields_set}
-    )
+def _check_balance(robot: Robot, base: WheelBase, path: Path, at: tuple[str | int, ...]) -> tuple[str, ...]:
+    """Refuse a body that is to balance and hangs from its axle; say by what it balances."""
+    if not base.balances:
+        return ()
+    if not base.com_height > min(base.wheel_radii):
+        height, axle = 1e3 * base.com_height, 1e3 * min(base.wheel_radii)
+        raise CellError(
+            f"{place_in(path, *at, 'model', 'height')}: {height:g} mm came; a body that balances has its centre of "
+            f"mass above its axle, which lies at {axle:g} mm"
+        )
+    if robot.drives == "ideal":
+        return ("ideal drives hold its body upright",)
+    law = "lqr" if robot.balance is None else robot.balance.name
+    return (f"its body balances by {law}, its centre of mass {1e3 * base.com_height:g} mm high",)
 
 
-def _task(robot: Robot) -> Task:
-    start = robot.start or StartTable.model_construct()
-    found = Task(start=start.time, after=start.signal, done=robot.done)
-    if robot.path is not None:
-        path = _path(robot.path, robot.source.base)
-        table = robot.path
-        tolerance = PathTolerance(table.position_tolerance or beside(path.pose), table.heading_tolerance)
-        return dataclasses.replace(found, path=path, tolerance=tolerance)
-    if robot.velocity is not None:
-        rows = np.array([[step.at, step.vx, step.vy, step.w] for step in robot.velocity])
-        lasting = np.diff(rows[:, 0], append=rows[-1, 0])
-        turns = np.ceil(np.abs(lasting * rows[:, 3]) / CORNER).astype(int) + 1
-        steps = np.repeat(lasting[:, None] * rows[:, 1:] / turns[:, None], turns, axis=0)
-        way = integrate(np.vstack([np.zeros(3), steps]))
-        return dataclasses.replace(found, velocities=rows, tolerance=PathTolerance(beside(way), AROUND))
-    hold = robot.hold if robot.hold is not None else 0.0
-    return dataclasses.replace(found, hold=hold, tolerance=PathTolerance(LEAST, AROUND))
+def _payloads(cell: Cell, robot: Robot, base: WheelBase, path: Path) -> tuple[tuple[float, Payload], ...]:
+    """What it carries, by time; refused where a body that balances could not pitch with it."""
+    found = []
+    for number, event in enumerate(cell.event):
+        if event.payload is None or cell.robot_of(event.robot) is not robot:
+            continue
+        payload = Payload(**event.payload.model_dump())
+        try:
+            simulated_lanes(loaded(base, payload))
+        except ModelError as problem:
+            raise CellError(f"{place_in(path, 'event', number, 'payload')}: {problem}") from None
+        found.append((event.at, payload))
+    return tuple(sorted(found, key=lambda change: change[0]))
 
 
-def beside(poses: Array) -> float:
-    """How far beside a way (N, 3) a base may be, m, where the cell does not say: a part of its box, and no less."""
-    return max(BESIDE * float(np.ptp(poses[:, :2], axis=0).max()), LEAST)
-
-
-def _path(path: PathTable, base: WheelBase) -> ReferencePath:
-    points = PATHS.make(path.shape, {field.name: getattr(path, field.name) for field in PATHS[path.shape].fields})
-    limits = PathLimits(path.speed, path.acceleration)
-    if isinstance(points, Curves):
-        return plan_path(dataclasses.replace(points, start=points.start + np.array([*path.origin, 0.0])), limits)
-    heading = path.heading or ("fixed" if moves_sideways(base) else "tangent")
-    return plan_path(points + np.array(path.origin), limits, laps=path.laps, heading=heading, start=path.angle)
-
-
-def _check_limits(robot: Robot, planned: ReferencePath, path: Path, at: tuple[str | int, ...]) -> tuple[str, ...]:
-    """Refuse a path that passes limits of the cell; say which limits are none of a path."""
-    limits = robot.limits
-    assert isinstance(limits, BaseLimits)
-    asked = {
-        "speed": np.hypot(*planned.twist[:, :2].T),
-        "turn_rate": np.abs(planned.twist[:, 2]),
-        "acceleration": np.hypot(*planned.acceleration[:, :2].T),
-        "turn_acceleration": np.abs(planned.acceleration[:, 2]),
-    }
-    stated = sorted(limits.model_fields_set)
-    for key in [key for key in stated if key in asked]:
-        most, allowed = float(asked[key].max()), getattr(limits, key)
-        if most > allowed * (1.0 + 1e-6):
-            raise CellError(
-                f"{place_in(path, *at, 'limits', key)}: {allowed:g} came; the path asks for {most:.4g}: drive it "
-                "slower, or allow more"
-            )
-    others = [key for key in stated if key not in asked]
-    return (f"limits of {', '.join(others)} are of velocities, not of a path",) if others else ()
-
-
-def _check_path(robot: Robot, task: Task, path: Path, at: tuple[str | int, ...]) -> tuple[str, ...]:
-    """Refuse a path that wheels cannot roll along or that passes limits; say of steered ones that they cannot."""
-    assert task.path is not None
-    base: WheelBase = robot.source.base
-    notes = _check_limits(robot, task.path, path, at)
-    found = _undrivable(base, task.path)
-    if found and unsimulated(base) is None:
-        raise CellError(f"{place_in(path, *at, 'path')}: {found}")
-    return (*notes, f"it cannot drive its path: {found}") if found else notes
-
-
-def _undrivable(base: WheelBase, path: ReferencePath) -> str:
-    """Why the wheels cannot roll along a path: where, and what they can; "" where they can."""
-    twist = path.twist[::EVERY]
-    away = np.abs((base.feasible(twist) - twist) * [1.0, 1.0, base.radius]).max(axis=1)
-    k = int(away.argmax())
-    if away[k] <= ASTRAY:
-        return ""
-    (vx, vy, w), (x, y) = twist[k], path.pose[::EVERY][k, :2]
-    where = f"at {path.time[::EVERY][k]:.2f} s, at ({x:.2f}, {y:.2f}) m,"
-    if abs(vy) > ASTRAY and not moves_sideways(base):
-        sideways = f"{where} it asks for {vy:.2g} m/s sideways, which these wheels cannot roll"
-        return f'{sideways}; heading = "tangent" looks along it'
-    if base.turning_radius < np.inf:
-        asked, least = (abs(vx / w) if w else np.inf), base.turning_radius
-        if asked >= least:
-            return f"{where} it asks for a curve of {asked:.3g} m, to which its wheels cannot be steered"
-        return f"{where} it asks for a curve of {asked:.3g} m; the tightest that these wheels drive is {least:.3g} m"
-    return f"{where} it asks for {np.degrees(w):.3g} deg/s; this base cannot turn"
+def _lean(robot: Robot) -> float:
+    """How far a body that balances leans forwards at the start, rad."""
+    lean = 0.0 if robot.pose is None else robot.pose.pitch
+    if abs(lean) >= FALLEN:
+        raise CellError(f"pitch {np.degrees(lean):g}deg came; beyond {np.degrees(FALLEN):g}deg it has fallen")
+    return lean
 
 
 def _check_stand(base: WheelBase, path: Path, at: tuple[str | int, ...]) -> None:

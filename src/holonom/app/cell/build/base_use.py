@@ -41,7 +41,7 @@ def path_warnings(job: BaseJob, floor: Floor) -> list[str]:
 def _asked(job: BaseJob, floor: Floor) -> list[str]:
     base, path = job.base, job.task.path
     assert path is not None
-    if base.steered or any(wheel.kind == "ball" for wheel in base.wheels):
+    if base.steered or base.balances or any(wheel.kind == "ball" for wheel in base.wheels):
         return []
     speed, most = _wheel_speeds(job)
     if speed > most:

@@ -22,7 +22,7 @@ from holonom.devices import Accelerometer, CurrentShunt, Gyro
 from holonom.errors import CellError
 from holonom.geometry import Box, Cylinder
 from holonom.mobile import BaseSensors
-from holonom.sim import SENSORS, Disc, Floor, Material, RectangularPatch, RoundPatch, Surface
+from holonom.sim import SENSORS, Disc, Floor, Material, RectangularPatch, RoundPatch, Step, Surface
 from holonom.spatial import pose
 
 __all__ = ["build_job", "refuse_unsimulated"]
@@ -70,7 +70,7 @@ def build_job(cell: Cell, path: Path) -> Job:
         parts=parts,
         obstacles=obstacles,
         sensors=_sensors(cell, path),
-        events=tuple(SignalEvent(event.at, event.signal, event.on) for event in cell.event),
+        events=tuple(SignalEvent(event.at, event.signal, event.on) for event in cell.event if event.signal),
         patches=tuple(patch.name for patch in cell.patch),
         fields=_fields(cell, parts),
         scene=build_scene(cell, job_arms, bases, parts, obstacles, seen),
@@ -156,7 +156,9 @@ def _why_not(sensor: Sensor, robot: Robot) -> str:
 def _floor(cell: Cell) -> Floor:
     floor = cell.floor
     material = Material(floor.friction, floor.sliding_friction, floor.slip_at_peak)
-    return Floor(material, tuple(_patch(patch, floor.slip_at_peak) for patch in cell.patch))
+    patches = tuple(_patch(patch, floor.slip_at_peak) for patch in cell.patch)
+    steps = tuple(Step(step.position, step.height, step.rise) for step in floor.steps)
+    return Floor(material, patches, floor.slope, floor.uphill, steps)
 
 
 def _patch(patch: Patch, slip_at_peak: float) -> RoundPatch | RectangularPatch:

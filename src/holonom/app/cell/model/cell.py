@@ -110,6 +110,8 @@ class Cell(Section):
         faults.call((), self._each_sensor_once)
         for number, fault in enumerate(self.fault):
             faults.call(("fault", number), self._check_fault, fault)
+        for number, event in enumerate(self.event):
+            faults.call(("event", number), self._check_event, event)
         faults.raise_any()
         return self
 
@@ -147,6 +149,18 @@ class Cell(Section):
             raise refuse(("on",), f"{carrier!r} is an arm; a robot stands on a base, at {' or '.join(FRAMES)}")
         if frame and frame not in FRAMES:
             raise refuse(("on",), UnknownName(f"frame of {carrier!r}", frame, FRAMES))
+
+    def _check_event(self, event: EventTable) -> None:
+        if event.payload is None:
+            return
+        try:
+            robot = self.robot_of(event.robot)
+        except CellError as problem:
+            raise refuse(("robot",), problem) from None
+        if robot.is_arm:
+            raise refuse(("robot",), f"{robot.name!r} is an arm; bases carry payloads")
+        if robot.drives == "ideal":
+            raise refuse(("payload",), "it came; ideal drives feel no payload: state motors, or leave it out")
 
     def _check_fault(self, fault: FaultTable) -> None:
         try:

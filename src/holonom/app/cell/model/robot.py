@@ -34,7 +34,7 @@ from holonom.app.cell.model.tasks import PathTable, ProgramTable, SignalNumber, 
 from holonom.app.fields.methods import Chosen, OneMethod
 from holonom.app.fields.quantities import Quantity, Section, Size
 from holonom.app.fields.units import DIMENSIONS, parse_quantity
-from holonom.control import CONTROLLERS
+from holonom.control import BALANCE_LAWS, CONTROLLERS
 from holonom.errors import CellError, OutOfLimits, UnknownName
 from holonom.model import Joint, outside
 from holonom.model.joint_values import looks_like_degrees
@@ -43,7 +43,7 @@ __all__ = ["GripperTool", "Robot", "RodTool"]
 
 _DEGREE = DIMENSIONS["angle"]["deg"]
 _ARM_ONLY = ("home", "tool", "program", "steady_tool")
-_BASE_ONLY = ("steering", "path", "velocity", "start", "done")
+_BASE_ONLY = ("steering", "balance", "path", "velocity", "start", "done")
 _TASKS = ("program", "path", "velocity", "hold")
 
 
@@ -199,8 +199,11 @@ class Robot(Section):
     """motor, gear and encoder of joints or wheels, or "ideal", or "from_limits"; what its model states unless given"""
     steering: SteeringTable | None = None
     """motors that steer wheels; usual ones, which the check says, unless given"""
+    balance: Annotated[Chosen | None, OneMethod(BALANCE_LAWS)] = None
+    """law of a body that balances on its axle; "lqr" unless given"""
     pose: Placement | None = None
-    """where it stands, in the world or in the frame that `on` names; a base starts there"""
+    """where it stands, in the world or in the frame that `on` names; a base starts there; of a body that balances pitch
+    is how far it leans forwards at the start"""
     on: Annotated[str, Strict(), Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*(\.[A-Za-z][A-Za-z0-9_]*)?$")] | None = None
     """frame of another robot on which it stands, such as "agv.top\""""
     home: Annotated[tuple[float, ...] | None, Read(_home, (_QUANTITIES,))] = None
@@ -246,9 +249,18 @@ class Robot(Section):
             raise refuse((given[1],), f"{' and '.join(given)} came; a robot has one of them")
         if self.velocity is not None and any(np.diff([step.at for step in self.velocity]) <= 0.0):
             raise refuse(("velocity",), "each step must be later than the one before")
-        if self.pose is not None and not self.is_arm and (self.pose.position[2] or self.pose.roll or self.pose.pitch):
-            raise refuse(("pose",), "a base stands level on the floor; z, roll and pitch are 0")
+        self._check_stance()
         return self
+
+    def _check_stance(self) -> None:
+        if self.is_arm:
+            return
+        balances = self.source.base.balances
+        if self.balance is not None and not balances:
+            raise refuse(("balance",), "it came; the body of this base does not balance; leave it out")
+        pose = self.pose
+        if pose is not None and (pose.position[2] or pose.roll or (pose.pitch and not balances)):
+            raise refuse(("pose",), "a base stands level on the floor; z, roll and pitch are 0")
 
     def _check_steady(self) -> None:
         if not self.steady_tool:

@@ -18,7 +18,7 @@ __all__ = ["SHORT", "Misplaced", "Written", "written_out"]
 ROBOT: KeyPath = ("robot", 0)
 _OF_ARM = {"gripper": "tool", "program": "program", "limits": "limits"}
 _OF_BASE = {"drive": "drives", "steering": "steering", "control": "controllers", "path": "path"}
-_BASE_KEYS = ("pose", "velocity", "hold", "start", "done", "drives", "limits", "name")
+_BASE_KEYS = ("pose", "velocity", "hold", "start", "done", "drives", "limits", "name", "balance")
 _GYRO = {"noise": (0, "noise"), "bias": (0, "bias"), "acceleration_noise": (1, "noise")}
 """Keys of [gyro]: number of the sensor and its parameter."""
 SHORT = ("arm", "base", *_OF_ARM, *_OF_BASE, "table", "gyro", "faults")

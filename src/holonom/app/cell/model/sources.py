@@ -100,7 +100,7 @@ class BodyTable(Section):
     com: Vector2 | None = None
     """centre of mass in base_link, forwards and to the left; unless stated, in the middle of its wheels"""
     height: Annotated[float, Quantity("length", "0mm", "5m")] = 0.0
-    """height of the centre of mass"""
+    """height of the centre of mass; of a body that balances three wheel radii unless stated"""
 
 
 _BODY = frozenset(BodyTable.model_fields)
@@ -261,9 +261,10 @@ def _built(made: WheelBase, wheels: list[Wheel], body: BodyTable) -> WheelBase:
         name: [wheels[i].name for i in group] for name, group in zip(made.steered, made.layout.groups, strict=True)
     }
     shared = {name: group for name, group in groups.items() if len(group) > 1}
+    height = made.com_height if made.balances and "height" not in body.model_fields_set else body.height
     base = WheelBase(
         wheels, name=made.name, radius=made.radius, alpha=body.mass_distribution, mass=body.mass,
-        com=_com(body, wheels), com_height=body.height, inertia=body.inertia, steering_groups=shared,
+        com=_com(body, wheels), com_height=height, inertia=body.inertia, steering_groups=shared,
         suspension=made.suspension, balances=made.balances,
     )  # fmt: skip
     rollers = all(wheel.kind == "swedish" for wheel in wheels)

@@ -20,6 +20,7 @@ __all__ = [
     "EventTable",
     "FaultTable",
     "PathTable",
+    "PayloadTable",
     "ProgramTable",
     "SignalNumber",
     "StartTable",
@@ -160,12 +161,35 @@ class FaultTable(Section):
     """name of the driven or steered wheel"""
 
 
+class PayloadTable(Section):
+    """What a base carries, as a point."""
+
+    mass: Annotated[float, Quantity("mass", "0g", "5000kg")]
+    """its mass; 0kg takes it off"""
+    com: Vector2 = (0.0, 0.0)
+    """where its middle is in base_link, forwards and to the left"""
+    com_height: Annotated[float, Quantity("length", "0mm", "5m")] = 0.0
+    """how high that is over the floor"""
+
+
 class EventTable(Section):
-    """Something that happens at a time: a signal is switched."""
+    """Something that happens at a time: a signal is switched, or a base gets another payload."""
 
     at: Moment
     """when"""
-    signal: SignalNumber
-    """its number"""
+    signal: SignalNumber | None = None
+    """number of the signal that is switched"""
     on: Annotated[bool, Strict()] = True
     """whether it goes on or off"""
+    payload: PayloadTable | None = None
+    """what a base carries from then on, instead of what it carried; its controller is not told"""
+    robot: Text | None = None
+    """the base that carries it; needed where there are several robots"""
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> EventTable:
+        if (self.signal is None) == (self.payload is None):
+            raise CellError("an event switches a signal or changes a payload; give it one of signal and payload")
+        if self.signal is not None and self.robot is not None:
+            raise CellError("robot came beside signal; signals belong to the whole cell")
+        return self

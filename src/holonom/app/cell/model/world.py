@@ -19,6 +19,7 @@ __all__ = [
     "PartTable",
     "Parts",
     "Patch",
+    "StepTable",
     "SurfaceTable",
     "Tray",
     "TrayField",
@@ -228,8 +229,19 @@ class Patch(Section):
         return self
 
 
+class StepTable(Section):
+    """An edge across the floor, a straight line, beyond which the floor is higher."""
+
+    position: Vector2
+    """a point of the edge, in the world"""
+    height: Annotated[float, Quantity("length", "0.1mm", "1m")]
+    """how much higher; wheels roll over one that is lower than their radius"""
+    rise: Angle = 0.0
+    """direction in which the floor rises, in the world"""
+
+
 class FloorTable(Section):
-    """The floor: a slip curve; `[[patch]]` is where it is another one."""
+    """The floor: a slip curve, a slope, steps; `[[patch]]` is where it is another one."""
 
     friction: Annotated[float, Quantity("number", 0.001, 5.0)] = 0.8
     """largest friction coefficient between wheel and floor"""
@@ -237,6 +249,12 @@ class FloorTable(Section):
     """friction coefficient of a wheel that slides"""
     slip_at_peak: Annotated[float, Quantity("speed", "1mm/s", "10m/s")] = 0.05
     """speed of the rim over the ground at which friction is largest"""
+    slope: Annotated[float, Quantity("angle", "-60deg", "60deg")] = 0.0
+    """angle of the whole floor against the horizontal; places are measured along it"""
+    uphill: Angle = 0.0
+    """direction in which a sloping floor rises, in the world"""
+    steps: tuple[StepTable, ...] = ()
+    """edges across it"""
 
     @model_validator(mode="after")
     def _falls(self) -> FloorTable:

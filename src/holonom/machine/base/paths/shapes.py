@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import Array
 from holonom.errors import OutOfLimits, ShapeError
-from holonom.machine.base.pose_paths import Poses, joined, plan_segments
-from holonom.machine.base.timing import GRID, TICK, PathLimits, ReferencePath, in_time, squared_speeds
+from holonom.machine.base.paths.pose_paths import Poses, joined, plan_segments
+from holonom.machine.base.paths.timing import GRID, TICK, PathLimits, ReferencePath, in_time, squared_speeds
 from holonom.machine.levels import Levels, interpolate
 from holonom.mobile.curves import Curves, dubins, reeds_shepp
 from holonom.registry import OWN, Method, Table, parameter

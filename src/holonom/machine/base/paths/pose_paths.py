@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from holonom.arrays import vectors
 from holonom.errors import InputError, ShapeError
-from holonom.machine.base.timing import GRID, TICK, PathLimits, ReferencePath, in_time, squared_speeds
+from holonom.machine.base.paths.timing import GRID, TICK, PathLimits, ReferencePath, in_time, squared_speeds
 from holonom.mobile.curves.curve import TURNS, Curves, turned_poses
 from holonom.registry import parameter
 
