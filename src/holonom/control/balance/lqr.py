@@ -9,6 +9,7 @@ import numpy as np
 
 from holonom.control.balance.contract import BalanceLaw, Pendulum
 from holonom.control.balance.kernels import BalanceGains
+from holonom.model.gravity import GRAVITY
 from holonom.registry import Method, check_fields, parameter
 
 __all__ = ["LQR", "LqrBalance"]
@@ -56,7 +57,7 @@ class LqrBalance(BalanceLaw):
 
         A, B = body.matrices
         Q = np.diag(np.square(np.reciprocal([self.error_pitch, self.error_rate, self.error_speed, self.error_place])))
-        R = np.array([[(self.effort * body.rolling * 9.81) ** -2]])
+        R = np.array([[(self.effort * body.rolling * GRAVITY) ** -2]])
         pitch, rate, speed, place = (-np.linalg.solve(R, B.T @ solve_continuous_are(A, B, Q, R))[0]).tolist()
         return BalanceGains(
             pitch,

@@ -39,7 +39,7 @@ _MADE: tuple[tuple[Callable[..., WheelBase], dict[str, Any]], ...] = (
     (dual_ackermann, {"wheelbase": 0.5, "track": 0.4, "wheel_radius": 0.05}),
     (skid_steer, {"wheelbase": 0.2, "track": 0.4, "wheel_radius": 0.05, "effective_track": 0.42}),
     (rocker6, {"wheelbase": 0.8, "track": 0.6, "wheel_radius": 0.06, "max_steering": math.radians(70.0)}),
-    (segway, {"track": 0.4, "wheel_radius": 0.1}),
+    (segway, {"track": 0.4, "wheel_radius": 0.1, "com_height": 0.3}),
     (synchro, {"radius": 0.2, "wheel_radius": 0.05}),
     (omni, {"n": 3, "radius": 0.2, "wheel_radius": 0.05}),
     (mecanum, {"wheelbase": 0.4, "track": 0.3, "wheel_radius": 0.05}),
@@ -48,6 +48,6 @@ _MADE: tuple[tuple[Callable[..., WheelBase], dict[str, Any]], ...] = (
 )
 
 BASES: Mapping[str, Callable[[], WheelBase]] = MappingProxyType(
-    {make.__name__: functools.partial(make, **given, **_BODY) for make, given in _MADE}
+    {make.__name__: functools.partial(make, **{**_BODY, **given}) for make, given in _MADE}
 )
 """Arrangement -> makes a base of it."""

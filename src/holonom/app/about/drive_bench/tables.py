@@ -104,18 +104,12 @@ def _by_law(driven: Iterable[Driven], shown: Callable[[Driven], str]) -> list[li
     """A row per arrangement and law, a column per course."""
     rows: dict[tuple[str, str], dict[str, str]] = {}
     for row in driven:
-        rows.setdefault((row.arrangement, "any" if _unsimulated(row) else row.law), {})[row.course] = shown(row)
+        rows.setdefault((row.arrangement, row.law), {})[row.course] = shown(row)
     return [[*key, *(cells.get(name, "") for name in COURSES)] for key, cells in rows.items()]
 
 
-def _unsimulated(row: Driven) -> bool:
-    return "not simulated" in row.failed
-
-
 def _errors(row: Driven) -> str:
-    if row.failed:
-        return "not simulated yet" if _unsimulated(row) else "-"
-    return f"{1e3 * row.rms:.1f} / {1e3 * row.peak:.1f}"
+    return "-" if row.failed else f"{1e3 * row.rms:.1f} / {1e3 * row.peak:.1f}"
 
 
 def _best(driven: Iterable[Driven]) -> list[list[str]]:
