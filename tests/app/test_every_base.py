@@ -92,16 +92,19 @@ def test_usual_steering_motors_are_said(tmp_path: Path, capsys: pytest.CaptureFi
 
 
 def test_a_steering_motor_that_is_stuck(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """It goes straight on where its path bends: the run has failed."""
+    """It is found, named, and the base stops."""
     stuck = '[[faults]]\ntime = "1s"\nkind = "steering_stuck"\nwheel = "front left"\n'
     file = cell(tmp_path, "bicycle", more=stuck)
     assert "no steered wheel 'front left'" in refused(file, capsys)
     text = file.read_text("utf-8").replace("front left", "front").replace("circle", "figure_of_eight")
     file.write_text(text, "utf-8")
     assert main(["run", str(file), "-o", str(tmp_path / "out"), "--quiet"]) == 1
-    assert "the path was not kept" in capsys.readouterr().err
-    events = read_recording(tmp_path / "out" / "recording.mcap").events
-    assert "the steering of front is stuck" in [event.text for event in events]
+    said = capsys.readouterr().err
+    assert "stopped with stuck steering" in said
+    assert "steering of front stuck; found after" in said
+    events = [event.text for event in read_recording(tmp_path / "out" / "recording.mcap").events]
+    assert "the steering of front is stuck" in events
+    assert "the steering of front is stuck; the base stops" in events
 
 
 @pytest.mark.parametrize("arrangement", STEERED)

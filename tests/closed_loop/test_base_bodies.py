@@ -148,6 +148,6 @@ def test_what_is_not_detectable_is_said_so() -> None:
     assert (np.abs(log.slip) > 0.05).any()
     assert (log.status == SlipStatus.UNDETECTABLE).all()
     assert not log.named.any()
-    two = BaseController(arrangements.differential(0.2, 0.03, mass=5.0), DRIVE)
-    assert two.state["status"][0] == SlipStatus.UNDETECTABLE
-    assert BaseLoop(two, BasePlant(two.base, DRIVE)).plant.tipped is None
+    four = BaseController(arrangements.skid_steer(0.2, 0.2, 0.03, mass=5.0), DRIVE)  # whose wheels slip to turn
+    assert four.state["status"][0] == SlipStatus.UNDETECTABLE
+    assert BaseLoop(four, BasePlant(four.base, DRIVE)).plant.tipped is None

@@ -72,13 +72,13 @@ def test_commanded_slip_is_limited(wanted: float, ground: float) -> None:
     ],
 )
 def test_evidence_against_a_motor(measured: float, modelled: float, speed: float, reference: float, grows: str) -> None:
-    before = Suspicion(0.01, 0.01)
+    before = Suspicion(0.01, 0.01, 0.0)
     after = watch_step(WATCH, before, measured, modelled, speed, reference)
     assert {name for name in before._fields if getattr(after, name) > 0.01} == ({grows} if grows else set())
 
 
 def test_evidence_for_a_motor_takes_it_back() -> None:
-    before = Suspicion(0.01, 0.01)
+    before = Suspicion(0.01, 0.01, 0.0)
     assert watch_step(WATCH, before, 1.0, 1.0, 50.0, 50.0) == pytest.approx((0.009, 0.0))
     assert watch_step(WATCH, before, 0.0, 0.0, 50.0, 50.0) == before
 

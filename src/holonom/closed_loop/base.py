@@ -30,7 +30,7 @@ __all__ = ["BaseLoop", "DrivenPart", "simulate_base"]
 
 SLOWEST = 0.2  # part of the path's speed below which a run is cut off
 PIECE = 4000  # ms of a run at once
-ENDINGS = {RUNNING: "cut off", DONE: "done", STOPPED: "jammed"}
+ENDINGS = {RUNNING: "cut off", DONE: "done", STOPPED: "stopped"}
 
 
 class BaseLoop:
@@ -177,11 +177,13 @@ def simulate_base(
     log = _whole(loop, len(reference))
     time = TICK * np.arange(len(log.body), dtype=np.float64)
     ended = ENDINGS[controller.ending] if plant.tipped is None else "fell" if base.balances else "tipped"
+    if ended == "stopped" and controller.state["jams"][0]:
+        ended = "jammed"
     driven = 1.0 if ended == "done" else DrivenPart(path)(float(controller.state["phase"][0]))
     events = [Event(f.time, "warning", "plant", _fault_text(f, plant)) for f in faults]
     events += _ending_events(ended, driven, float(time[-1]))
     residual = controller.params.residual * controller.radii
-    return log_of(time, log, base.driven, events, residual, ended=ended, driven=driven)
+    return log_of(time, log, base.driven, events, residual, ended=ended, driven=driven, base=base)
 
 
 def _whole(loop: BaseLoop, length: int) -> LogBuffer:
@@ -220,6 +222,7 @@ def _ending_events(ended: str, driven: float, time: float) -> list[Event]:
     texts = {
         "tipped": f"tipped over after {100.0 * driven:.0f} % of the path",
         "fell": f"fell after {100.0 * driven:.0f} % of the path",
+        "stopped": f"stopped after {100.0 * driven:.0f} % of the path: what is left does not drive it",
         "jammed": f"stopped with a jammed wheel after {100.0 * driven:.0f} % of the path",
         "cut off": f"cut off after {100.0 * driven:.0f} % of the path: driven too slowly, it takes more than "
         f"{1.0 / SLOWEST:g} times its time",

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from holonom.arrays import Array
 from holonom.closed_loop.base_kernels import LogBuffer
 from holonom.closed_loop.base_words import BaseWords
+from holonom.mobile import WheelBase
 from holonom.signals import Event
 from holonom.sim.base.log import columns, truth_of
 
@@ -130,10 +131,12 @@ def log_of(
     *,
     ended: str = "done",
     driven: float = 1.0,
+    base: WheelBase | None = None,
 ) -> BaseLog:
     """Arrays and events from the buffer of the compiled loop.
 
-    `told` are events that the caller knows of; `residual` (m, m) is `1 - D D^+` times the wheels' radii.
+    `told` are events that the caller knows of; `residual` (m, m) is `1 - D D^+` times the wheels' radii; `base` tells
+    what lost wheels mean.
     """
     m, controlled = len(names), log.controlled
     truth = truth_of(time, log.body, log.wheels, m)
@@ -141,7 +144,7 @@ def log_of(
     status = controlled["status"].astype(np.int64)
     named, dead, jammed = (_members(controlled[name].astype(np.int64), m) for name in ("flagged", "dead", "jams"))
     goal = float(controlled["ref_rate"][-1]) if len(controlled) else 1.0
-    events = [*told, *BaseWords(names, np.inf).events(0, controlled, truth.slip, goal)]
+    events = [*told, *BaseWords(names, np.inf, base).events(0, controlled, truth.slip, goal)]
     return BaseLog(
         time=time,
         wheels=tuple(names),

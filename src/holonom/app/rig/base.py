@@ -12,7 +12,7 @@ from holonom.app.rig.path_judge import PathJudge
 from holonom.arrays import Array
 from holonom.closed_loop import BaseLoop
 from holonom.closed_loop.base import DrivenPart
-from holonom.closed_loop.base_words import BaseWords
+from holonom.closed_loop.base_words import BaseWords, why_stopped
 from holonom.errors import DriveFault
 from holonom.machine import BaseController, Creep
 from holonom.machine.base.kernels import RUNNING, STOPPED
@@ -255,7 +255,7 @@ class BaseRig:
         if not stopped:
             self._finish()
         elif not self._stopping:
-            raise DriveFault(self._cut("stopped with a jammed wheel"))
+            raise DriveFault(self._cut(f"stopped {why_stopped(self.loop.controller.state[0])}"))
 
     def _finish(self) -> None:
         """End the task by what it truly came to."""

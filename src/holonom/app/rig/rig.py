@@ -32,6 +32,7 @@ __all__ = ["Rig", "Simulated", "simulated"]
 
 
 LONG = 10
+STANDS = 30.0  # s within which robots that are stopped stand, or the run ends without that
 """Ticks that a cell is advanced at once where nothing is decided between them."""
 
 
@@ -142,8 +143,10 @@ class Rig:
         progress
             Told the simulated time.
         """
+        began = None
         while True:
             running = self.supervisor.state is Supervision.RUNNING
+            began = self.time if running or began is None else began
             if running and stop():
                 self._recorder.put(Event(self.time, "error", "operator", "stopped"))
                 self.supervisor.stop()
@@ -154,7 +157,8 @@ class Rig:
             self._look_around()
             progress(self.time)
             state = self.supervisor.tick()
-            if state is Supervision.STOPPING and overdue():
+            late = self.time - began > STANDS
+            if state is Supervision.STOPPING and (late or overdue()):
                 self._recorder.put(Event(self.time, "warning", "operator", "ended before all robots stood"))
                 return self._ended()
             if state is Supervision.STOPPED or (state is Supervision.RUNNING and self._done()):

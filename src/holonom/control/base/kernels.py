@@ -14,7 +14,9 @@ from holonom.trace.code.compiled import select, sincos
 from holonom.trace.code.loops import loop
 
 __all__ = [
+    "BLIND",
     "JAMMED",
+    "OFF",
     "OPEN",
     "WORKS",
     "EstimateParams",
@@ -36,8 +38,9 @@ __all__ = [
 ]
 
 
-WORKS, OPEN, JAMMED = 0, 1, 2
+WORKS, OPEN, JAMMED, BLIND, OFF = 0, 1, 2, 3, 4
 """What the watch says of a motor."""
+LEAKING = 0.1  # part of the modelled current, from which on current flows
 MOST_BIAS = 0.02  # rad/s, of a difference between gyro and wheels that counts for the gyro's zero
 
 
@@ -99,10 +102,11 @@ class WatchParams(NamedTuple):
 
 
 class Suspicion(NamedTuple):
-    """Time (s) for which a motor drew no current where it must, and for which it stood where it must not."""
+    """Time (s) for which a motor drew no current where it must, stood where it must not, turned uncounted."""
 
     open: float
     jam: float
+    blind: float
 
 
 @loop(error_model="numpy")
@@ -268,6 +272,7 @@ def watch_step(
     speed: float,
     reference: float,
     explained: bool = False,
+    hidden: float = 0.0,
 ) -> Suspicion:
     """Evidence against a motor one sample later; `watch_verdict` says what it amounts to.
 
@@ -276,26 +281,32 @@ def watch_step(
     motor stands (speeds in rad/s) against the command: it is jammed. That is weaker evidence, by the square, the less
     current flows of what the floor could hold, and weaker where something else may explain a standing wheel
     (`explained`: other wheels slip, so that the base itself moves otherwise than told). Other evidence takes time back;
-    no current asked for is none.
+    no current asked for is none. A motor that stands by its encoder and turns by its back-emf (`hidden`, rad/s more
+    than the encoder says) is counted no more.
     """
     if abs(modelled) <= params.least_current:
         return before
+    uncounted = abs(speed) < params.standstill and abs(hidden) > params.least_reference
+    if uncounted and abs(measured) > LEAKING * abs(modelled):
+        return Suspicion(max(before.open - params.dt, 0.0), before.jam, before.blind + params.dt)
     if abs(measured) < params.least_part * abs(modelled):
-        return Suspicion(before.open + params.dt, before.jam)
+        return Suspicion(before.open + params.dt, before.jam, before.blind)
     opened = max(before.open - params.dt, 0.0)
     if abs(reference) <= params.least_reference:
-        return Suspicion(opened, before.jam)
+        return Suspicion(opened, before.jam, 0.0)
     if abs(speed) < params.standstill:
         part = min(abs(measured) / params.holding_current, 1.0)
-        return Suspicion(opened, before.jam + (params.doubt if explained else 1.0) * part * part * params.dt)
-    return Suspicion(opened, 0.0)
+        return Suspicion(opened, before.jam + (params.doubt if explained else 1.0) * part * part * params.dt, 0.0)
+    return Suspicion(opened, 0.0, 0.0)
 
 
 @loop(error_model="numpy")
 def watch_verdict(params: WatchParams, suspicion: Suspicion) -> int:
-    """What is wrong with a motor: `WORKS`, `OPEN` (no current, it turns freely) or `JAMMED`."""
+    """What is wrong with a motor: `WORKS`, `OPEN` (no current, it turns freely), `JAMMED`, `BLIND`."""
     if suspicion.open >= params.patience:
         return OPEN
+    if suspicion.blind >= params.jam_patience:
+        return BLIND
     return JAMMED if suspicion.jam >= params.jam_patience else WORKS
 
 

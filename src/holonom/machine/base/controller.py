@@ -89,7 +89,7 @@ class BaseController:
             rows, estimate_rows,
             np.ones(trusted), self.params.bearing.copy(), np.zeros((len(driven), 3)), np.zeros(max(lanes, trusted)),
             np.zeros(lanes), np.zeros(lanes), np.full(3, np.nan), np.zeros(9),
-            np.zeros(len(base.wheels)),
+            np.zeros(len(base.wheels)), np.zeros((len(base.wheels), 2)), np.zeros(3),
         )  # fmt: skip
         self.task = BaseTask(NO_PATH, NO_LEAN)
         self._planner: LinearMpc | None = None
@@ -98,8 +98,9 @@ class BaseController:
         slip = self.state["slip"][0]
         for name in ("slack", "angular_slack", "held_slack", "held_angular_slack"):
             slip[name] = math.inf
+        checked = self.params.detect or self.params.check is not None
         self.state["rate"] = self.state["goal"] = 1.0
-        self.state["status"] = UNDETECTABLE if settings.slip is not None and not self.params.detect else NO_SLIP
+        self.state["status"] = UNDETECTABLE if settings.slip is not None and not checked else NO_SLIP
         self.hold()
 
     def place(self, pose: ArrayLike, twist: ArrayLike = (0.0, 0.0, 0.0), *, signals: WheelSignals) -> None:
@@ -117,6 +118,10 @@ class BaseController:
                 state[f"seen_{name}"] = value
         for name in ("vx", "vy", "w"):
             state[f"command_{name}"] = state[f"shaped_{name}"] = state[f"seen_{name}"]
+        state["check_vx"], state["check_vy"] = twist[0], twist[1]
+        state["rise_x"] = state["rise_y"] = 0.0
+        state["rests"] = 0
+        state["stands"] = 0 if self.params.balance is not None or np.any(twist) else 1
         if self.params.balance is not None:  # at rest it hangs on what its accelerometers show
             state["seen_pitch"] = -math.atan2(signals.inertial[1], signals.inertial[4])
             state["seen_pitch_rate"] = state["pitch_bias"] = state["trim"] = 0.0

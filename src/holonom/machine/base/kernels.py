@@ -6,6 +6,7 @@ wheel in `wheel_kernels.py`, the loops' steps in `control.base.kernels`, slip de
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,8 @@ from numpy.typing import NDArray
 from holonom.arrays import Array
 from holonom.control.base.force_kernels import feasible_rate, wrench_of
 from holonom.control.base.kernels import (
+    BLIND,
+    OFF,
     EstimateParams,
     KeepingParams,
     Planar,
@@ -38,6 +41,16 @@ from holonom.machine.base.balance_kernels import (
     turn_with_body,
     weigh_wheels,
 )
+from holonom.machine.base.check_kernels import (
+    check_inertia,
+    detect_slip,
+    drives_on,
+    members,
+    pin,
+    pinned,
+    watch_pushes,
+    watch_steering,
+)
 from holonom.machine.base.params import BaseParams, BaseTask, Work
 from holonom.machine.base.steering_kernels import allowed, look_at, ready, rim_change, set_off, steer_along
 from holonom.machine.base.wheel_kernels import (
@@ -53,7 +66,7 @@ from holonom.machine.base.wheel_kernels import (
     watch_motors,
     wheel_voltage,
 )
-from holonom.mobile.drive.slip_kernels import SlipState, slip_step
+from holonom.trace.code.compiled import sincos
 from holonom.trace.code.loops import loop
 from holonom.trace.code.simd import WIDTH, load, packed, store
 
@@ -76,6 +89,8 @@ RUNNING, DONE, STOPPED = 0, 1, 2
 """How far its path is: under way, at its end, stopped by a jammed wheel."""
 KEEP_BOTH, KEEP_PATH, KEEP_HEADING = 0, 1, 2
 """What is kept where the motors that are left cannot hold path and heading at once."""
+CREEPS = 0.01  # m/s of a rim, from which on a base does not stand
+THERE = 2e-3  # m from where it is to be, from which on it goes there
 SLOW = 0.2  # m/s, below which the way that a base goes is not told from the one that it looks
 SLOW_TURN = 0.3  # rad/s, below which little is learned of how much wheels skid
 LEARNING = 4.0  # 1/s
@@ -97,18 +112,28 @@ def control_step(
 ) -> None:
     """From what is measured to voltages, in `signals`; all that evolves is in `state`, `states` and `work`."""
     base = state[0]
-    base.gyro, base.imu_x, base.imu_y = signals.inertial[0], signals.inertial[1], signals.inertial[2]
+    base.gyro, base.raw_x, base.raw_y = signals.inertial[0], signals.inertial[1], signals.inertial[2]
+    s, c = sincos(base.seen_theta)  # what accelerometers show of a slope turns under the base
+    level = params.level + params.level_noise / math.sqrt(max(base.rests, 1))
+    sure = 1.0 if base.rise_x * base.rise_x + base.rise_y * base.rise_y > level * level else 0.0
+    base.slope_x = sure * (c * base.rise_x + s * base.rise_y)
+    base.slope_y = sure * (c * base.rise_y - s * base.rise_x)
+    base.imu_x, base.imu_y = base.raw_x - base.slope_x, base.raw_y - base.slope_y
     look_at_pitch(params.balance, base, signals)
     look_at(params.steered, signals, work, wheels)
     _sense(params, base, signals, wheels, states, work)
     turn_with_body(params.balance, base, states, work.rims, work.gripping)
     weigh_wheels(params.balance, work.rows, base, work.rims)
-    _detect(params, base, work)
-    _react(params, task.path, base, wheels, states, work)
+    _learn_slope(base, work.rims, len(work.rows))
+    detect_slip(params, base, work)
+    check_inertia(params.check, base, work)
+    watch_steering(params.steered, base, signals, work.held)
+    watch_pushes(params.check, base, wheels, states, len(work.rows))
+    _react(params, task.path, base, signals, wheels, states, work)
     change = max(min((base.goal - base.rate) / params.keeping.dt, params.rate_change), -params.rate_change)
     twist = _estimate(params.estimate, work.estimate_rows, base, work)
-    _refer(params, task.path, base, change, signals, work.rows, work.now)
-    command, ahead = _keep(params, task.path, base, twist, work.now)
+    _refer(params, task.path, base, change, signals, work)
+    command, ahead = _keep(params, task.path, base, twist, work.now, work.pin)
     steer_along(params.steered, params.drivable, task.path, base, command, ahead, signals, work, states)
     if base.lame != 0 and params.keep != KEEP_BOTH:
         command = _given_up(params, base, command, twist)
@@ -138,8 +163,10 @@ def say(base: Any, wheels: Records, states: Records, row: Any, rows: Array) -> N
     row.seen_vx, row.seen_vy, row.seen_w = base.seen_vx, base.seen_vy, base.seen_w
     row.ref_x, row.ref_y, row.ref_theta = base.ref_x, base.ref_y, base.ref_theta
     row.ref_vx, row.ref_vy, row.ref_w, row.ref_rate = base.ref_vx, base.ref_vy, base.ref_w, base.ref_rate
-    row.gyro, row.imu_x, row.imu_y = base.gyro, base.imu_x, base.imu_y
+    row.gyro, row.imu_x, row.imu_y = base.gyro, base.raw_x, base.raw_y
     row.status, row.flagged, row.dead, row.jams = base.status, base.flagged, base.dead, base.jams
+    row.blind, row.loose, row.lodged = base.blind, base.loose, base.lodged
+    row.pinned, row.crippled = base.pinned, base.crippled
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])
         store(rows[0], i, own.seen_speed / wheel.gear.ratio)
@@ -167,6 +194,22 @@ def _sense(params: BaseParams, base: Any, signals: WheelSignals, wheels: Records
 
 
 @loop(error_model="numpy", forceinline=True)
+def _learn_slope(base: Any, rims: Array, m: int) -> None:
+    """What accelerometers show on the average while it stands where it was placed."""
+    if base.stands == 0:
+        return
+    base.rests += 1
+    s, c = sincos(base.seen_theta)
+    base.rise_x += ((c * base.raw_x - s * base.raw_y) - base.rise_x) / base.rests
+    base.rise_y += ((s * base.raw_x + c * base.raw_y) - base.rise_y) / base.rests
+    stands = base.ref_vx == 0.0 and base.ref_vy == 0.0 and base.ref_w == 0.0
+    stands = stands and abs(base.ref_x - base.seen_x) + abs(base.ref_y - base.seen_y) < THERE
+    for i in range(m):
+        stands = stands and abs(rims[i]) < CREEPS
+    base.stands = 1 if stands else 0
+
+
+@loop(error_model="numpy", forceinline=True)
 def _skid(params: SkidParams, base: Any, work: Work) -> None:
     """Put rim speeds in the place of what is measured that say the twist at which the wheels skid."""
     before, rows = Planar(base.skid_vx, base.skid_vy, 0.0), work.estimate_rows
@@ -177,34 +220,26 @@ def _skid(params: SkidParams, base: Any, work: Work) -> None:
 
 
 @loop(error_model="numpy", forceinline=True)
-def _detect(params: BaseParams, base: Any, work: Work) -> None:
-    """Ask the slip detector, but while all wheels are known to grip."""
-    if params.detect and not (base.steady != 0 and _square(params.residual, work.gripping) <= params.quiet):
-        if base.steady != 0:
-            _keep_slip(base.slip, _no_slip(params.inverse, work.last))
-        work.acceleration[0], work.acceleration[1] = base.imu_x, base.imu_y
-        wheels = work.gripping[: len(work.rows)]
-        after, found = slip_step(params.slip, base.slip, wheels, base.gyro - base.gyro_bias, work.acceleration)
-        _keep_slip(base.slip, after)
-        base.status, base.flagged = found.status, found.named
-        base.steady = 1 if params.quiet >= 0.0 and after.level == 0 and after.held_slack == 0.0 else 0
-    work.last[:] = work.gripping
-
-
-@loop(error_model="numpy", forceinline=True)
-def _react(params: BaseParams, path: Array, base: Any, wheels: Records, states: Records, work: Work) -> None:
+def _react(
+    params: BaseParams, path: Array, base: Any, signals: WheelSignals, wheels: Records, states: Records, work: Work
+) -> None:
     """Leave out wheels that slip and motors that are lost; drive slower, or stop, where the others must not push so."""
     m = len(work.rows)
     lost = watch_motors(params.watch, wheels, states, m, base, base.jams != 0) if params.compensate else 0
-    if lost == base.dead and base.flagged == base.named:
+    if lost == base.dead and base.flagged == base.named and base.lodged == base.known_lodged:
         return
-    new = lost != base.dead
-    base.named, base.dead = base.flagged, lost
+    new = lost != base.dead or base.lodged != base.known_lodged
+    base.named, base.dead, base.known_lodged = base.flagged, lost, base.lodged
+    base.blind, base.loose = members(states, m, BLIND), members(states, m, OFF)
     base.jams = set_weights(params.control_traction, params.bearing, states, base.named, work.trust, work.weights)
     if params.steered is None:
         share_force(params.pull_rows, params.pull, work.weights, work.share, states)
     _lame(params, base, work)
-    if new and base.jams != 0:
+    base.pinned = 1 if params.sideways and pin(params.steered, base, signals, work.pin) else 0
+    left = drives_on(work.rows, params.drivable, work.weights, params.lever)
+    unseen = len(params.skid.wheels) > 0 and base.blind != 0  # how wheels skid is seen by all of them
+    base.crippled = 1 if left < params.freedoms or (base.lodged != 0 and base.pinned == 0) or unseen else 0
+    if new and (base.jams != 0 or base.crippled != 0):
         base.goal = 0.0
     elif new and base.mode == PATH:
         rest = feasible_rate(work.share, path, int(base.phase), params.body, params.path_force)
@@ -212,14 +247,13 @@ def _react(params: BaseParams, path: Array, base: Any, wheels: Records, states: 
 
 
 @loop(error_model="numpy", forceinline=True)
-def _refer(
-    params: BaseParams, path: Array, base: Any, change: float, signals: WheelSignals, rows: Array, now: Array
-) -> None:
+def _refer(params: BaseParams, path: Array, base: Any, change: float, signals: WheelSignals, work: Work) -> None:
     """Reference of this sample: on the path, the twist that was asked for within limits, or the pose that is held."""
+    now = work.now
     if base.mode == PATH:
         reference_at(path, base.phase, base.rate, change, now)
     elif base.mode == VELOCITY:
-        _shape(params, base, signals, rows, now)
+        _shape(params, base, signals, work.rows, work.pin, now)
     else:
         now[:] = 0.0
         now[0], now[1], now[2] = base.hold_x, base.hold_y, base.hold_theta
@@ -228,7 +262,7 @@ def _refer(
 
 
 @loop(error_model="numpy", forceinline=True)
-def _shape(params: BaseParams, base: Any, signals: WheelSignals, rows: Array, now: Array) -> None:
+def _shape(params: BaseParams, base: Any, signals: WheelSignals, rows: Array, pin_row: Array, now: Array) -> None:
     """Nearest drivable twist to the one asked for, zero once that is too old, within speed, acceleration and jerk."""
     shaping = params.shaping
     base.age += 1
@@ -241,6 +275,7 @@ def _shape(params: BaseParams, base: Any, signals: WheelSignals, rows: Array, no
     base.shaped_w, base.shaped_aw = shaping_step(shaping.dt, shaping.turning, base.shaped_w, base.shaped_aw, goal.turn)
     now[0], now[1], now[2] = base.seen_x, base.seen_y, base.seen_theta  # no place to keep
     asked = allowed(params.steered, params.drivable, Planar(base.shaped_vx, base.shaped_vy, base.shaped_w))
+    asked = pinned(base, pin_row, asked)
     part = ready(params.steered, asked, signals)
     now[3], now[4], now[5] = part * asked.x, part * asked.y, part * asked.turn
     w = base.shaped_w  # the centre's acceleration in turning axes
@@ -276,7 +311,9 @@ def _estimate(params: EstimateParams, rows: Array, base: Any, work: Work) -> Pla
 
 
 @loop(error_model="numpy", forceinline=True)
-def _keep(params: BaseParams, path: Array, base: Any, twist: Planar, reference: Array) -> tuple[Planar, Planar]:
+def _keep(
+    params: BaseParams, path: Array, base: Any, twist: Planar, reference: Array, pin_row: Array
+) -> tuple[Planar, Planar]:
     """Twist to command and acceleration to feed forward."""
     pose = Planar(base.seen_x, base.seen_y, base.seen_theta)
     integral = Planar(base.integral_x, base.integral_y, base.integral_theta)
@@ -292,7 +329,8 @@ def _keep(params: BaseParams, path: Array, base: Any, twist: Planar, reference: 
             pose = Planar(pose.x, pose.y, pose.turn + base.skid_lean)
         command = law_step(params.law, path, base.phase, reference, pose, twist, before, base.law)
         ahead, grown = Planar(reference[6], reference[7], reference[8]), integral
-    command = allowed(params.steered, params.drivable, command)
+    command = pinned(base, pin_row, allowed(params.steered, params.drivable, command))
+    ahead = pinned(base, pin_row, ahead)
     base.command_vx, base.command_vy, base.command_w = command.x, command.y, command.turn
     base.integral_x, base.integral_y, base.integral_theta = grown.x, grown.y, grown.turn
     return command, ahead
@@ -334,52 +372,19 @@ def _drive(
     twist: Planar, wheels: Records, states: Records, now: Array,
 ) -> None:  # fmt: skip
     """Rim speeds and forces for a twist and an acceleration of the base; voltages from them."""
-    force = wrench_of(params.body, wanted, twist.turn)
+    held = Planar(wanted.x + base.slope_x, wanted.y + base.slope_y, wanted.turn)  # against gravity along the floor
+    force = wrench_of(params.body, held, twist.turn)
     if balance(params.balance, base, task.lean, now, wanted, signals, wheels, states, command, force):
         return
-    change = rim_change(params.steered, wanted, twist)
+    change, rolls = rim_change(params.steered, wanted, twist), 1.0 if base.goal > 0.0 else 0.0
     part = driven_part(wheels, states, force)
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])
         own.rim_reference = rim_speed(wheel, command)
-        rim = part * rim_force(own, force)
+        rim, ground = part * rim_force(own, force), rim_speed(wheel, twist)
         if params.control_traction:
-            rim = control_traction(params.traction, wheel, own, rim_speed(wheel, twist), rim)
-        wheel_voltage(wheel, own, rim, rim_speed(wheel, change))
+            rim = control_traction(params.traction, wheel, own, ground, rim)
+        own.asked = rim
+        wheel_voltage(wheel, own, rim, rim_speed(wheel, change), rolls * ground)
         store(signals.voltages, i, own.voltage)
         store(signals.speeds, i, own.works * own.rim_reference / wheel.radius)
-
-
-@loop(error_model="numpy", forceinline=True)
-def _square(residual: Array, rims: Array) -> float:
-    """Square sum, (m/s)^2, of what no twist explains of rim speeds."""
-    total = 0.0
-    for i in range(len(residual)):
-        left = 0.0
-        for j in range(len(residual)):
-            left += residual[i, j] * rims[j]
-        total += left * left
-    return total
-
-
-@loop(error_model="numpy", forceinline=True)
-def _no_slip(inverse: Array, rims: Array) -> SlipState:
-    """Return the state that `slip_step` takes in silence: it trusts the twist of all wheels."""
-    vx, vy, rw = 0.0, 0.0, 0.0
-    for i in range(inverse.shape[1]):
-        vx += inverse[0, i] * rims[i]
-        vy += inverse[1, i] * rims[i]
-        rw += inverse[2, i] * rims[i]
-    return SlipState(vx, vy, rw, 0.0, 0.0, vx, vy, rw, 0.0, 0.0, 0, False, 0, 0, 0, 0, 0, False)
-
-
-@loop(error_model="numpy", forceinline=True)
-def _keep_slip(own: Any, after: SlipState) -> None:
-    """Remember what slip detection carries from sample to sample."""
-    own.vx, own.vy, own.rw, own.slack, own.angular_slack = (
-        after.vx, after.vy, after.rw, after.slack, after.angular_slack,
-    )  # fmt: skip
-    own.held_x, own.held_y, own.held_rw = after.held_x, after.held_y, after.held_rw
-    own.held_slack, own.held_angular_slack = after.held_slack, after.held_angular_slack
-    own.level, own.raised, own.pending, own.agreed = after.level, after.raised, after.pending, after.agreed
-    own.named, own.doubt, own.side, own.mixed = after.named, after.doubt, after.side, after.mixed

@@ -10,6 +10,7 @@ import numpy as np
 from holonom.arrays import Array
 from holonom.control import ServoAxis
 from holonom.control.base.force_kernels import Body
+from holonom.control.base.inertial_check import CheckParams
 from holonom.control.base.kernels import EstimateParams, WatchParams
 from holonom.control.base.shaping_kernels import AxisShape
 from holonom.control.base.skid_kernels import SkidParams
@@ -43,6 +44,7 @@ FIRST = {"both": (1.0, 1.0, 1.0), "path": (1.0, 1.0, 0.03), "heading": (0.03, 0.
 """Weights of force and torque / R, where lost motors cannot make both."""
 SHARP = 0.6  # of the slip at which friction saturates: a skidding wheel slips far beyond where it is linear
 LEANING_PULL = 5.0  # m/s2 that wheels correct the estimate of a body by whose accelerometers lean with it
+SURE, LEVEL = 6.0, 0.02  # deviations that noise is not beyond; m/s2 that no slope is
 LEAST_LOAD = 1e-3  # part of the weight below which a wheel carries nothing to speak of
 
 
@@ -74,6 +76,7 @@ def base_params(
         traction=(settings.traction or TractionSettings()).params(TICK),
         watch=_watch_params(base, settings),
         slip=slipping,
+        check=_check_params(base, settings, drivable),
         steered=_steered_params(base, drive) if base.steered else None,
         balance=_balance(base, drive, settings, most),
         drivable=np.ascontiguousarray(drivable),
@@ -94,6 +97,10 @@ def base_params(
         max_rim=max_rim_speed(drive, radii),
         path_force=RESERVE * most,
         rate_change=RATE_CHANGE,
+        level=1.5 * abs(settings.sensors.accelerometer_bias) + LEVEL,
+        level_noise=SURE * settings.sensors.accelerometer_noise,
+        freedoms=_freedoms(base, rows, drivable),
+        lever=base.radius,
         sideways=moves_sideways(base),
         detect=slip is not None,
         control_traction=settings.traction is not None and not _skids(base),  # whose wheels slip to turn
@@ -122,6 +129,22 @@ def _estimate_params(base: WheelBase, settings: BaseSettings) -> EstimateParams:
     if base.balances:  # its accelerometers lean with it
         params = params._replace(max_pull=LEANING_PULL)
     return params._replace(bias_gain=0.0) if _skids(base) else params
+
+
+def _check_params(base: WheelBase, settings: BaseSettings, drivable: Array) -> CheckParams | None:
+    """Of wheels that roll, under a body that stands; omni bases have their spare wheel, or nothing that tells."""
+    omni = not base.steered and np.linalg.matrix_rank(drivable, tol=1e-9) == 3
+    if settings.check is None or settings.slip is None or omni or base.balances or _skids(base):
+        return None
+    return settings.check.params(TICK)
+
+
+def _freedoms(base: WheelBase, rows: Array, drivable: Array) -> int:
+    """Motions that must be driven: of omni bases none in particular, of wheels that steer the one along them."""
+    if base.steered:
+        return 1
+    rank = int(np.linalg.matrix_rank(rows @ drivable / [1.0, 1.0, base.radius], tol=1e-6))
+    return 0 if rank == 3 else rank
 
 
 def _balance(base: WheelBase, drive: BaseDrive, settings: BaseSettings, most: Array) -> BalanceParams | None:

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from holonom.arrays import Array
 from holonom.control.base.force_kernels import Body
+from holonom.control.base.inertial_check import CheckParams
 from holonom.control.base.kernels import EstimateParams, KeepingParams, TractionParams, WatchParams
 from holonom.control.base.shaping_kernels import ShapingParams
 from holonom.control.base.skid_kernels import SkidParams
@@ -28,6 +29,7 @@ class BaseParams(NamedTuple):
     watch: WatchParams
     skid: SkidParams
     slip: SlipParams
+    check: CheckParams | None  # of wheels without a spare one; None: they are not checked by inertia
     steered: SteeredParams | None  # None: no wheel steers
     balance: BalanceParams | None  # None: its body does not balance
     drivable: Array  # (3, 3) twist to the nearest one that drags no wheel, once those that steer have turned
@@ -47,6 +49,10 @@ class BaseParams(NamedTuple):
     max_rim: float  # m/s that a wheel reaches
     path_force: Array  # (m,) N that a path which is slowed down may need of each wheel
     rate_change: float  # 1/s, how fast the path may be slowed down
+    level: float  # m/s2 of its accelerometers at rest, up to which the floor is taken for level; and of one sample
+    level_noise: float
+    freedoms: int  # motions that its motors must drive, or it stops; 0: it does what is left
+    lever: float  # m, by which turning counts among them
     sideways: bool  # whether it can move along y at once
     detect: bool  # slip detection: leave the slipping wheel out of estimate and allocation
     control_traction: bool
@@ -74,3 +80,5 @@ class Work(NamedTuple):
     acceleration: Array  # (3,)
     now: Array  # (9,) reference
     steering_rates: Array  # (n,) rad/s, of the angles that are asked for
+    held: Array  # (n, 2) where each steered wheel stands though it should not, rad, and for how long, s
+    pin: Array  # (3,) direction in which a stuck wheel does not slide

@@ -50,12 +50,18 @@ SEEN_WHEEL = np.dtype(
         ("modelled_current", F),
         ("open", F),  # s for which no current flowed where there must be some
         ("stuck", F),  # s for which it stood where it must not
-        ("lost", I),  # what the watch says: WORKS, OPEN, JAMMED
+        ("blind", F),  # s for which it turned and was not counted
+        ("lost", I),  # what the watch says: WORKS, OPEN, JAMMED, BLIND, OFF
         ("works", F),  # 1 or 0: it is driven, or lost
         ("force_x", F),  # rim force (N) that is asked of it per (N, N, N m) on the base
         ("force_y", F),
         ("force_turn", F),
         ("cut", F),  # traction control: part of the drive force that is left, 0 to 1
+        ("asked", F),  # rim force (N) that was asked of it, and what its current pushes
+        ("pushed", F),
+        ("asked_square", F),  # N^2 s, squares of what was asked and of what was pushed, over a while
+        ("pushed_square", F),
+        ("slips_for", F),  # s for which it was said to slip
     ]
 )
 """What the controller remembers of one driven wheel."""
@@ -85,6 +91,19 @@ CONTROL_STATE = padded(
         ("named", I),  # those of them that estimate and allocation go by
         ("dead", I),  # motors that are lost
         ("jams", I),  # those of them that are jammed
+        ("blind", I),  # those whose encoders do not count
+        ("loose", I),  # those whose wheels push nothing
+        ("lodged", I),  # steering motors that are stuck: a set of the base's wheels
+        ("astray", I),  # 1: a steering motor is not yet where it is asked to be
+        ("known_lodged", I),  # those of them that it goes by
+        ("pinned", I),  # 1: the path is kept with one that is stuck, and the base turns about it
+        ("crippled", I),  # 1: what is left does not drive it
+        ("check_vx", F),  # velocity by inertia, m/s, zeros of the accelerometers, m/s2
+        ("check_vy", F),
+        ("check_zero_x", F),
+        ("check_zero_y", F),
+        ("check_since", F),  # s for which no wheel agrees with it
+        ("check_raised", I),  # samples that speak for slip
         ("lame", I),  # 1: the motors that are left cannot push every way
         ("unseen_x", F),  # then the twist that turns no wheel which is left
         ("unseen_y", F),
@@ -109,8 +128,16 @@ CONTROL_STATE = padded(
         ("shaped_ax", F),
         ("shaped_ay", F),
         ("shaped_aw", F),
+        ("stands", I),  # 1: it has stood since it was placed, and has not been told to move
+        ("rests", I),  # samples for which it did
+        ("rise_x", F),  # what accelerometers show of a slope, odom, m/s2: found where it stood at the start
+        ("rise_y", F),
+        ("slope_x", F),  # the same along the axes of base_link
+        ("slope_y", F),
         ("gyro", F),  # last measured, rad/s and m/s2
-        ("imu_x", F),
+        ("raw_x", F),
+        ("raw_y", F),
+        ("imu_x", F),  # the same less the slope
         ("imu_y", F),
         ("seen_pitch", F),  # estimate of a body that balances: pitch, its rate, the gyro's zero, speed along the way
         ("seen_pitch_rate", F),
@@ -142,7 +169,8 @@ CONTROL_SAMPLE = np.dtype(
         (name, F)
         for name in (
             "seen_x", "seen_y", "seen_theta", "seen_vx", "seen_vy", "seen_w", "ref_x", "ref_y", "ref_theta", "ref_vx",
-            "ref_vy", "ref_w", "ref_rate", "gyro", "imu_x", "imu_y", "status", "flagged", "dead", "jams",
+            "ref_vy", "ref_w", "ref_rate", "gyro", "imu_x", "imu_y", "status", "flagged", "dead", "jams", "blind",
+            "loose", "lodged", "pinned", "crippled",
         )
     ]
 )  # fmt: skip

@@ -8,6 +8,7 @@ from typing import Literal
 
 from holonom.control.balance.contract import BalanceLaw
 from holonom.control.balance.lqr import LqrBalance
+from holonom.control.base.inertial_check import CheckSettings
 from holonom.control.base.path_keeping import EstimateSettings, KeepingSettings
 from holonom.control.base.shaping import ShapingSettings
 from holonom.control.base.traction import TractionSettings, WatchSettings
@@ -86,6 +87,8 @@ class BaseSettings:
         What is known of the errors of its sensors.
     slip
         Settings of slip detection; "sensors": `slip_settings` of these sensors and the drive's encoders.
+    check
+        How wheels without a spare one are checked by inertia, where slip is detected at all; None: they are not.
     creep
         What is known of gripping wheels; None: what whoever knows the floor says of it. What wheels creep at their
         present currents is no slip.
@@ -110,6 +113,7 @@ class BaseSettings:
     estimate: EstimateSettings = field(default_factory=EstimateSettings)
     traction: TractionSettings | None = field(default_factory=TractionSettings)
     slip: SlipSettings | Literal["sensors"] | None = "sensors"
+    check: CheckSettings | None = field(default_factory=CheckSettings)
     watch: WatchSettings | None = field(default_factory=WatchSettings)
     sensors: BaseSensors = field(default_factory=BaseSensors)
     friction: float = 0.6
@@ -120,7 +124,7 @@ class BaseSettings:
 
     def without_motors(self) -> BaseSettings:
         """Return the settings for drives that turn as they are told: no current tells of slip or of lost motors."""
-        return replace(self, slip=None, traction=None, watch=None, balance=None)
+        return replace(self, slip=None, check=None, traction=None, watch=None, balance=None)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.friction < math.inf:

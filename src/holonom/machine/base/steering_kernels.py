@@ -219,7 +219,7 @@ def set_off(steered: SteeredParams | None, path: Array, base: Any, signals: Whee
     """1, or 0 where a path is about to drive on from rest and its wheels are still being steered."""
     go = 1.0
     if steered is not None:
-        leaves = base.mode == PATH and _sets_off(steered, path, base.phase)
+        leaves = base.mode == PATH and base.pinned == 0 and _sets_off(steered, path, base.phase)
         if leaves and readiness(steered, _coming(steered, path, base.phase), signals) < SET_OFF:
             go = 0.0
     return go

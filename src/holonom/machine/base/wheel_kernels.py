@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 from holonom.arrays import Array
 from holonom.control.base.force_kernels import allocation
 from holonom.control.base.kernels import (
+    BLIND,
     JAMMED,
+    OFF,
     WORKS,
     Planar,
     Suspicion,
@@ -87,13 +89,16 @@ def watch_motors(params: WatchParams, wheels: Records, states: Records, m: int, 
             reference = wheel.gear.ratio[lane] * own.rim_reference[lane] / wheel.radius[lane]
             slips = base.status == SLIP or base.status == AMBIGUOUS
             explained = slips and base.flagged != 1 << i
-            before = Suspicion(own.open[lane], own.stuck[lane])
+            before = Suspicion(own.open[lane], own.stuck[lane], own.blind[lane])
+            hidden = (own.modelled_current[lane] - own.measured_current[lane]) / (
+                wheel.armature.conductance[lane] * wheel.armature.back_emf[lane]
+            )
             after = watch_step(
                 params, before, own.measured_current[lane], own.modelled_current[lane], own.seen_speed[lane],
-                reference, explained,
+                reference, explained, hidden,
             )  # fmt: skip
-            after = Suspicion(after.open, 0.0 if held else after.jam)
-            own.open[lane], own.stuck[lane] = after.open, after.jam
+            after = Suspicion(after.open, 0.0 if held else after.jam, after.blind)
+            own.open[lane], own.stuck[lane], own.blind[lane] = after.open, after.jam, after.blind
             own.lost[lane] = watch_verdict(params, after)
         if own.lost[lane] != WORKS:
             own.works[lane] = 0.0
@@ -108,7 +113,7 @@ def set_weights(traction: bool, bearing: Array, states: Records, named: int, tru
     for i in range(len(weights)):
         slips, lost = (named >> i) & 1 == 1, states[i // WIDTH].lost[i % WIDTH]
         jams |= (1 << i) if lost == JAMMED else 0
-        trust[i] = 0.0 if slips or lost == JAMMED else 1.0
+        trust[i] = 0.0 if slips or lost in (JAMMED, BLIND, OFF) else 1.0
         weights[i] = 0.0 if lost != WORKS else bearing[i] * (SLIPPING_WEIGHT if slips and traction else 1.0)
     return jams
 
@@ -191,8 +196,11 @@ def control_traction(params: TractionParams, wheel: Any, own: Any, ground: float
 
 
 @loop(error_model="numpy", forceinline=True)
-def wheel_voltage(wheel: Any, own: Any, force: float, acceleration: float) -> None:
-    """Speed loop of a wheel and the voltage that it asks for, fed forward its rim's force (N), acceleration (m/s2)."""
+def wheel_voltage(wheel: Any, own: Any, force: float, acceleration: float, ground: float) -> None:
+    """Speed loop of a wheel and the voltage that it asks for, fed forward its rim's force (N), acceleration (m/s2).
+
+    A wheel that is done without gets the back-emf of rolling with the ground (m/s): it neither drives nor brakes.
+    """
     ratio, r = wheel.gear.ratio, wheel.radius
     speed = ratio * own.rim_reference / r
     torque = (force * r + wheel.inertia * acceleration / r) / (ratio * wheel.gear.efficiency)
@@ -200,7 +208,8 @@ def wheel_voltage(wheel: Any, own: Any, force: float, acceleration: float) -> No
     current, integral = speed_step(wheel.speed_loop, own.integral, speed, own.seen_speed, ahead)
     supply, works = wheel.armature.max_voltage, own.works > 0.0
     voltage = current / wheel.armature.conductance + wheel.armature.back_emf * own.seen_speed
-    own.voltage = select(works, min(max(voltage, -supply), supply), 0.0)
+    voltage = select(works, voltage, wheel.armature.back_emf * ratio * ground / r)
+    own.voltage = min(max(voltage, -supply), supply)
     own.current_reference, own.integral = select(works, current, 0.0), select(works, integral, 0.0)
 
 

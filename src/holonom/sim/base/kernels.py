@@ -30,6 +30,8 @@ from holonom.trace.code.simd import WIDTH, any_of, largest, packed, total
 __all__ = [
     "BLOCKED",
     "DEAD",
+    "FROZEN",
+    "OFF",
     "RUNS",
     "STUCK",
     "Supports",
@@ -37,12 +39,14 @@ __all__ = [
     "plant_steps",
 ]
 
-RUNS, DEAD, BLOCKED, STUCK = 0, 1, 2, 3
-"""A motor that works, one without current that turns freely, one that is jammed; a steering motor that stays."""
+RUNS, DEAD, BLOCKED, STUCK, FROZEN, OFF = 0, 1, 2, 3, 4, 5
+"""A motor that works, one without current that turns freely, one that is jammed; a steering motor that stays; an
+encoder that counts no more; a wheel that turns on its axle no more, or is off."""
 
 FLAGS = {"contract"}
 FOOT = 1e-3  # m, half the length of a contact
 JAMMED = 1e12  # kg m2
+LOOSE = 1e-4  # of its grip that a wheel has left which is off
 ROUNDING = 1e-12  # part of the weight: a wheel that carries nothing, give or take an ulp, has not lifted off
 
 Integers = NDArray[np.int64]
@@ -60,9 +64,16 @@ class Supports(NamedTuple):
 
 @loop(error_model="numpy", fastmath=FLAGS)
 def break_motor(states: Any, lane: int, kind: int) -> None:
-    """Give the motors of a wheel, a lane of its record, one of the states `RUNS`, `DEAD`, `BLOCKED`, `STUCK`."""
+    """Give a wheel, a lane of its record, one of the states from `RUNS` to `OFF`."""
     if kind == STUCK:
         states.free[lane] = 0.0
+        return
+    if kind == FROZEN:
+        states.counts[lane] = 0.0
+        return
+    if kind == OFF:
+        states.grips[lane] = LOOSE
+        states.material.peak[lane] *= LOOSE
         return
     states.conducts[lane] = 0.0 if kind == DEAD else 1.0
     states.jam[lane] = JAMMED if kind == BLOCKED else 0.0

@@ -18,7 +18,7 @@ from holonom.mobile.drive.base_drive import BaseDrive, BaseSensors
 from holonom.sim.base.balancing import axle_of, kinetic_energy
 from holonom.sim.base.bodies import bodies_of
 from holonom.sim.base.floor import Floor, floor_table, step_table
-from holonom.sim.base.kernels import BLOCKED, DEAD, STUCK
+from holonom.sim.base.kernels import BLOCKED, DEAD, FROZEN, OFF, STUCK
 from holonom.sim.base.log import BaseTruth, truth_of
 from holonom.sim.base.log_kernels import drive_open
 from holonom.sim.base.records import BODY_SAMPLE, BODY_STATE, WHEEL_SAMPLE, WHEEL_STATE
@@ -33,8 +33,9 @@ __all__ = ["FAULTS", "TICK", "BaseFault", "BasePlant", "simulated_lanes"]
 Records = NDArray[np.void]
 TICK = 1e-3
 """Time (s) that one step of the plant takes; sensors are read after each."""
-FAULTS = {"dead": DEAD, "blocked": BLOCKED, "stuck": STUCK}
-"""What may happen to a motor: an open winding (it turns freely), a jam; to a steering motor: it stays where it is."""
+FAULTS = {"dead": DEAD, "blocked": BLOCKED, "stuck": STUCK, "frozen": FROZEN, "off": OFF}
+"""What may happen to a motor: an open winding (it turns freely), a jam; to a steering motor: it stays where it is;
+to an encoder: it counts no more; to a wheel: it has come off, or loose on its axle, and pushes no more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +59,8 @@ class BaseFault:
             "dead": "the motor of {} dies",
             "blocked": "the motor of {} jams",
             "stuck": "the steering of {} is stuck",
+            "frozen": "the encoder of {} is stuck",
+            "off": "{} comes off",
         }
         return does[self.kind].format(name)
 
@@ -136,7 +139,7 @@ class BasePlant:
         self.state = aligned_records(np.zeros(1, BODY_STATE), BODY_STATE)
         states = np.zeros(len(self.lanes), WHEEL_STATE)
         states["conducts"] = [lane.wheel.driven for lane in self.lanes]
-        states["free"] = 1.0
+        states["free"] = states["counts"] = states["grips"] = 1.0
         self.states = side_by_side(states, conducts=0.0)
         lanes = WIDTH * len(self.states)
         zeros = [np.zeros(lanes) for _ in range(4)]
@@ -283,6 +286,9 @@ class BasePlant:
         c, s = math.cos(theta), math.sin(theta)
         state["x"], state["y"], state["theta"] = x + c * dx - s * dy, y + s * dx + c * dy, theta
         state["vx"], state["vy"], state["w"] = vx - w * dy, vy + w * dx, w
+        known = self.params.body[0]
+        state["down_x"] = c * known["slope_x"] + s * known["slope_y"]
+        state["down_y"] = c * known["slope_y"] - s * known["slope_x"]
 
     def noise(self, ticks: int) -> Array:
         """Standard normal numbers (ticks, 3 + 4 n) for the sensors of as many milliseconds; 2 more where it balances.

@@ -77,6 +77,9 @@ WHEEL_STATE = np.dtype(
         ("motor_rate", F),
         ("asked", F),  # angle asked of the steering motor, rad
         ("free", F),  # 1 or 0: the steering motor turns, or is stuck
+        ("counts", F),  # 1 or 0: the encoder counts, or shows what it showed last, rad of the wheel
+        ("shown", F),
+        ("grips", F),  # part of the floor's grip that it has: 1, or next to none where the wheel is off
         ("moment", F),  # scratch of one step: torque on the wheel about its vertical axis, N m, and its fall with swing
         ("moment_slope", F),
         ("along", F),  # force on the base, N

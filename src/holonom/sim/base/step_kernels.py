@@ -102,7 +102,8 @@ def sense(params: BasePlantParams, state: Records, states: Records, signals: Whe
         wheel, own = params.wheels[i], states[i]
         for lane in range(WIDTH):
             encoder = EncoderParams(wheel.encoder.counts_per_rad[lane], wheel.encoder.resolution[lane])
-            counter = encoder_counter(encoder, wheel.gear.ratio[lane] * own.angle[lane])
+            own.shown[lane] += own.counts[lane] * (own.angle[lane] - own.shown[lane])
+            counter = encoder_counter(encoder, wheel.gear.ratio[lane] * own.shown[lane])
             signals.counters[i * WIDTH + lane] = counter
         store(signals.currents, i, packed(own).current + sensors.current_noise * load(noise[3:], i))
         if params.turning is not None:
@@ -268,4 +269,4 @@ def find_material(floor: Records, patches: Records, x: float, y: float, states: 
     material = floor[0] if found < 0 else patches[found].material
     states.material.stiffness[lane] = material.stiffness
     states.material.shape[lane] = material.shape
-    states.material.peak[lane] = material.peak
+    states.material.peak[lane] = material.peak * states.grips[lane]

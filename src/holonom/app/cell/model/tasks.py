@@ -13,7 +13,7 @@ from holonom.control import PATH_LAWS
 from holonom.errors import CellError
 from holonom.machine.base.paths import HEADINGS, PATHS
 from holonom.machine.base.settings import KEEP
-from holonom.sim.base.plant import FAULTS as MOTOR_FAULTS
+from holonom.sim.base.plant import FAULTS as BASE_FAULTS
 
 __all__ = [
     "FAULTS",
@@ -27,8 +27,9 @@ __all__ = [
     "TwistTable",
 ]
 
-FAULTS = {("steering_" if name == "stuck" else "motor_") + name: name for name in MOTOR_FAULTS}
-"""What a cell calls the faults of motors."""
+_PARTS = {"stuck": "steering_stuck", "frozen": "encoder_stuck", "off": "wheel_lost"}
+FAULTS = {_PARTS.get(name, f"motor_{name}"): name for name in BASE_FAULTS}
+"""What a cell calls what breaks of a base."""
 
 SignalNumber = Annotated[int, Strict(), Field(ge=1, le=100_000)]
 Moment = Annotated[float, Quantity("time", "0ms", "1440min")]
@@ -156,7 +157,8 @@ class FaultTable(Section):
     robot: Text | None = None
     """whose; needed where there are several"""
     kind: Annotated[str, OneOf(FAULTS)]
-    """a motor without current, whose wheel turns freely, one that is jammed, or a steering motor that stays as it is"""
+    """a motor without current, whose wheel turns freely, one that is jammed, a steering motor that stays as it is, an
+    encoder that counts no more, a wheel that comes off"""
     wheel: Text
     """name of the driven or steered wheel"""
 

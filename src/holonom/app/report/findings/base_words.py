@@ -11,15 +11,38 @@ from typing import NamedTuple
 from holonom.app.report.findings.facts import FaultFacts
 from holonom.signals import Event
 
-__all__ = ["SlipVerdicts", "Spell", "dead_since", "faults_of", "gripping_again", "verdicts_of"]
+__all__ = ["SlipVerdicts", "Spell", "broken", "dead_since", "faults_of", "gripping_again", "verdicts_of"]
 
 TRUTH, PLANT, DETECTOR, WATCH = "truth", "plant", "slip detection", "motor watch"
 """Sources of events."""
 NOW = re.compile(r"(?P<wheel>.+) (?P<what>slips|grips)(?:, it slipped at up to (?P<peak>[\d.]+) m/s)?$")
 NAMED = re.compile(r"(?P<wheels>.+?) slips?$")
-FAILS = re.compile(r"the motor of (?P<wheel>.+) (?P<how>dies|jams)$")
-LOST = re.compile(r"the motor of (?P<wheel>.+?) does not do as told")
-KINDS = {"dies": "dead", "jams": "blocked"}
+FAILS = (
+    (re.compile(r"the motor of (?P<wheel>.+) dies$"), "dead"),
+    (re.compile(r"the motor of (?P<wheel>.+) jams$"), "blocked"),
+    (re.compile(r"the steering of (?P<wheel>.+) is stuck$"), "stuck"),
+    (re.compile(r"the encoder of (?P<wheel>.+) is stuck$"), "frozen"),
+    (re.compile(r"(?P<wheel>.+) comes off$"), "off"),
+)
+LOST = (
+    re.compile(r"the motor of (?P<wheel>.+?) does not do as told"),
+    re.compile(r"the (?:steering|encoder) of (?P<wheel>.+?) is stuck"),
+    re.compile(r"(?P<wheel>.+?) pushes nothing"),
+)
+
+
+BROKEN = {
+    "dead": "motor of {} dead",
+    "blocked": "motor of {} blocked",
+    "stuck": "steering of {} stuck",
+    "frozen": "encoder of {} stuck",
+    "off": "{} off",
+}
+
+
+def broken(wheel: str, kind: str) -> str:
+    """What has failed of a wheel, in short."""
+    return BROKEN[kind].format(wheel)
 
 
 class Spell(NamedTuple):
@@ -85,9 +108,12 @@ def faults_of(events: Sequence[Event], told: Sequence[FaultFacts]) -> tuple[Faul
     found = list(told)
     known = {fault.wheel for fault in told}
     for event in events:
-        fails = FAILS.match(event.text) if event.source == PLANT else None
-        if fails and fails["wheel"] not in known:
-            found.append(FaultFacts(event.time, fails["wheel"], KINDS[fails["how"]]))
+        if event.source != PLANT:
+            continue
+        for pattern, kind in FAILS:
+            fails = pattern.match(event.text)
+            if fails and fails["wheel"] not in known:
+                found.append(FaultFacts(event.time, fails["wheel"], kind))
     return tuple(sorted(found, key=lambda fault: fault.time))
 
 
@@ -95,7 +121,9 @@ def dead_since(events: Sequence[Event]) -> dict[str, float]:
     """When the controller gave up each motor that it did, s."""
     found: dict[str, float] = {}
     for event in events:
-        lost = LOST.match(event.text) if event.source == WATCH else None
+        if event.source != WATCH:
+            continue
+        lost = next(filter(None, (pattern.match(event.text) for pattern in LOST)), None)
         if lost:
             found.setdefault(lost["wheel"], event.time)
     return found

@@ -64,7 +64,7 @@ class ArmFacts:
 
 @dataclass(frozen=True, slots=True)
 class FaultFacts:
-    """A motor that is to fail at `time` (s): "dead" or "blocked"."""
+    """What is to fail of a wheel at `time` (s), one of `sim.base.plant.FAULTS`."""
 
     time: float
     wheel: str

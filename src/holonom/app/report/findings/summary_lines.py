@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from holonom.app.console.printable import one_line
+from holonom.app.report.findings.base_words import broken
 from holonom.app.report.source import Source
 
 __all__ = ["summary_lines"]
@@ -67,7 +68,7 @@ def _motor(motor: Mapping[str, Any]) -> str:
     found = "not found" if late is None else f"found after {1e3 * (late - motor['time']):.0f} ms"
     if not motor["reached"]:
         found = "the run ended before"
-    return f"{motor['time']:.2f} s: motor of {motor['wheel']} {motor['kind']}; {found}"
+    return f"{motor['time']:.2f} s: {broken(motor['wheel'], motor['kind'])}; {found}"
 
 
 def _error(error: Mapping[str, Any]) -> str:

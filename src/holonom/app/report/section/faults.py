@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from holonom.app.report.drawing.figures import Figures, Table
 from holonom.app.report.findings.base_findings import BaseFindings, DeadMotor, SlipEpisode, findings_of
+from holonom.app.report.findings.base_words import broken
 from holonom.app.report.section_table import Section
 from holonom.app.report.source import RobotSource, Source
 from holonom.registry import OWN, Method
@@ -51,7 +52,7 @@ def _slip(slip: SlipEpisode) -> tuple[str, ...]:
 def _motor(motor: DeadMotor) -> tuple[str, ...]:
     late = None if motor.detected is None else motor.detected - motor.time
     return (
-        f"motor of {motor.wheel} {motor.kind}",
+        broken(motor.wheel, motor.kind),
         f"{motor.time:.3f} s",
         _after(late) if motor.reached else "the run ended before",
         "",

@@ -12,6 +12,7 @@ from holonom.app.report.drawing.robot_map import MapRobot
 from holonom.app.report.drawing.topview import MapLine, MapMark, MapPatch, TopView
 from holonom.app.report.findings.base_findings import BaseFindings, Motion, Phase, findings_of, motion_of, path_error
 from holonom.app.report.findings.base_outline import base_of, stations
+from holonom.app.report.findings.base_words import broken
 from holonom.app.report.section_table import Section
 from holonom.app.report.source import BARE, RobotSource, Source
 from holonom.registry import OWN, Method
@@ -80,7 +81,7 @@ def _lines(motion: Motion, bare: Motion | None) -> list[MapLine]:
 
 def _marks(found: BaseFindings, motion: Motion) -> list[MapMark]:
     what = [(f"{slip.wheel} slips", slip.start) for slip in found.slips]
-    what += [(f"motor of {motor.wheel} {motor.kind}", motor.time) for motor in found.dead if motor.reached]
+    what += [(broken(motor.wheel, motor.kind), motor.time) for motor in found.dead if motor.reached]
     return [MapMark(text, _place(motion, time), MARK) for text, time in what[:MARKS]]
 
 
