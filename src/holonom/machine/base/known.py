@@ -20,7 +20,7 @@ from holonom.machine.base.laws import Law, path_law_call
 from holonom.machine.base.params import BaseParams
 from holonom.machine.base.settings import KEEP, BaseSettings, Creep, slip_settings
 from holonom.machine.base.steering_kernels import SteeredParams
-from holonom.mobile.base.drivable import moves_sideways
+from holonom.mobile.base.drivable import moves_sideways, skids
 from holonom.mobile.base.dynamics import inertia_over_mass
 from holonom.mobile.base.wheel import KINDS, Wheel
 from holonom.mobile.base.wheel_base import WheelBase
@@ -92,7 +92,7 @@ def base_params(
         rate_change=RATE_CHANGE,
         sideways=moves_sideways(base),
         detect=slip is not None,
-        control_traction=settings.traction is not None and not _skids(base),  # whose wheels slip to turn
+        control_traction=settings.traction is not None and not skids(base.wheels),  # whose wheels slip to turn
         compensate=settings.watch is not None,
     )
 
@@ -108,14 +108,10 @@ def _wheel_of_row(base: WheelBase) -> list[int]:
     return [k for k, wheel in enumerate(driven) for _ in KINDS[wheel.kind].speeds(wheel)]
 
 
-def _skids(base: WheelBase) -> bool:
-    return any(wheel.kind == "skid" for wheel in base.wheels)
-
-
 def _estimate_params(base: WheelBase, settings: BaseSettings) -> EstimateParams:
     """Wheels that skid do not tell how fast the base turns, so nothing of the gyro's zero."""
     params = settings.estimate.params(TICK)
-    return params._replace(bias_gain=0.0) if _skids(base) else params
+    return params._replace(bias_gain=0.0) if skids(base.wheels) else params
 
 
 def _skid_params(base: WheelBase, creep: Creep, mass: float, loads: Array) -> SkidParams:

@@ -22,7 +22,7 @@ from holonom.mobile.base.wheel import Wheel
 from holonom.mobile.equations.base_models import Layout
 from holonom.mobile.equations.wheels import rolling_row, sliding_row, unit
 
-__all__ = ["Wedges", "moves_sideways", "tightest_curve", "wedges_of"]
+__all__ = ["Wedges", "moves_sideways", "skids", "tightest_curve", "wedges_of"]
 
 ROUNDING = 1e-9
 """Of a twist, by which it may lie outside a wedge; part of a radian by which it is kept inside."""
@@ -131,6 +131,11 @@ def tightest_curve(wedges: Wedges, radius: float) -> float:
 def _subsets(rows: Array, most: int) -> list[Array]:
     """Sets of up to so many rows less one: spans of at least one dimension."""
     return [rows[list(k)] for n in range(most) for k in itertools.combinations(range(len(rows)), n)]
+
+
+def skids(wheels: Sequence[Wheel]) -> bool:
+    """Whether a base turns as its wheels slip across."""
+    return any(wheel.kind == "skid" for wheel in wheels)
 
 
 class _Drivable(Protocol):

@@ -39,7 +39,8 @@ def cut(run: Run, samples: int) -> list[Run]:
         turns = run.turns[part].copy()
         if first:
             turns[0] = 0.0  # what came before a piece is none of its own
-        pieces.append(Run(run.name, run.time[part], turns, run.truth[part], run.steering[part]))
+        own = {"drift": run.drift[part], "creep": run.creep[part]}
+        pieces.append(Run(run.name, run.time[part], turns, run.truth[part], run.steering[part], **own))
     return pieces
 
 
