@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from holonom.app.odometry_log.checks import check_motion, check_time, part_names
-from holonom.app.odometry_log.recorded.creep import known_creep
 from holonom.app.odometry_log.log import OdometryLog, Subject
+from holonom.app.odometry_log.recorded.creep import known_creep
 from holonom.app.odometry_log.table import Table
 from holonom.app.recording import CUT_OFF, Recording, read_recording
 from holonom.app.recording.format.pieces import read_pieces
