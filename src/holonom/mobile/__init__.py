@@ -12,7 +12,8 @@ Standing and tipping over
     `support_polygon`, `static_margin`, `zero_moment_point`, `dynamic_margin`, `acceleration_limit`, `lateral_limit`,
     `turning_speed`, `wheel_loads`; `footprint`, what it covers of the floor.
 Motion in the plane
-    `poses`: exact arcs, composition, twists in robot and world; `curves`: Dubins and Reeds-Shepp curves.
+    `poses`: exact arcs, composition, twists in robot and world; `curves`: Dubins and Reeds-Shepp curves; `towed`:
+    trailers along poses.
 What drives a base
     `BaseDrive` (data sheets of motor, gear, encoder of its wheels), `BaseSensors` (how its sensors err).
 Omni drives
@@ -102,6 +103,7 @@ from holonom.mobile.stability import (
     wheel_loads,
     zero_moment_point,
 )
+from holonom.mobile.trailers import Towed, towed
 
 __all__ = [
     "ARRANGEMENTS",
@@ -125,6 +127,7 @@ __all__ = [
     "SlipSettings",
     "SlipStatus",
     "SpeedProfile",
+    "Towed",
     "Wheel",
     "WheelBase",
     "WheelRates",
@@ -182,6 +185,7 @@ __all__ = [
     "support_polygon",
     "swerve",
     "synchro",
+    "towed",
     "tricycle",
     "turning_speed",
     "wheel_forces",
