@@ -32,3 +32,6 @@ def test_its_readme_runs_as_written(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert found["deviations"]["effective_track"] < 0.01 * tracks[1]
     guessed, told = (data["errors_before"]["max_distance_m"] for data in (found, checked))
     assert told < 0.06 * guessed
+    report = Path("runs/guessed/report.html").read_text("utf-8")
+    assert "Its wheels slip to turn, which is no fault" in report
+    assert "Slips with the right name" not in report
