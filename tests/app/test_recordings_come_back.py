@@ -18,7 +18,6 @@ from holonom.app.recording.robot import ROBOT, base_words
 from holonom.errors import LogError, ShapeError
 from holonom.mobile import omni
 from holonom.mobile.calibration import Run, calibrate
-from holonom.mobile.calibration.fitting.creep import UNKNOWN
 
 SIZE = {"ackermann": "8m", "dual_ackermann": "6m", "rocker6": "6m"}
 TANGENT = ("omni", "mecanum", "swerve")
@@ -49,7 +48,7 @@ def test_the_wheels_of_a_recording_come_back(arrangement: str, tmp_path: Path) -
         away, deviation = data["calibrated"][name] - value, data["deviations"][name]
         assert abs(away) < 3.0 * deviation, f"{name}: {away:.3g} is {abs(away) / deviation:.1f} deviations"
         if name.startswith(("radius", "diameter", "track", "wheelbase")):
-            assert deviation < 0.02 * value, name
+            assert deviation < 0.03 * value, name
 
 
 def test_creep_would_be_taken_for_geometry(tmp_path: Path) -> None:
@@ -62,7 +61,7 @@ def test_creep_would_be_taken_for_geometry(tmp_path: Path) -> None:
     assert track.values[0] < 0.999 * 0.3
     assert abs(track.values[0] - 0.3) > 10.0 * track.deviations[0], "which no noise explains"
     assert abs(known.values[0] - 0.3) < 0.2 * abs(track.values[0] - 0.3)
-    assert known.deviations[0] == pytest.approx(UNKNOWN * abs(track.values[0] - known.values[0]), rel=0.5)
+    assert known.deviations[0] == pytest.approx(with_.creep_share * abs(track.values[0] - known.values[0]), rel=0.5)
 
 
 def balance(rims: np.ndarray, place: np.ndarray, acceleration: np.ndarray, turn: float) -> np.ndarray:

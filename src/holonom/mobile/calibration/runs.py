@@ -33,6 +33,7 @@ class Run:
     drift : (N, 3) by how much the base moved in each sample beside what its wheels rolled, m and rad, in its own axes,
         where that is known; (0, 3) where it is not.
     creep : (N, m) what was taken off the turns, rad, as they are known to creep; (0, m) where nothing was.
+    creep_share : standard deviation of creep and drift, as a share of them: gears, loads and floors are not as stated.
     """
 
     name: str
@@ -44,6 +45,7 @@ class Run:
     flow: Array = field(default_factory=lambda: np.empty((0, 2)))
     drift: Array = field(default_factory=lambda: np.empty((0, 3)))
     creep: Array = field(default_factory=lambda: np.empty((0, 0)))
+    creep_share: float = 0.3
 
     def __post_init__(self) -> None:
         for name in _ROWS:

@@ -14,10 +14,20 @@ from holonom.arrays import Array
 from holonom.mobile import WheelBase
 from holonom.mobile.base.drivable import skids
 
-__all__ = ["known_creep"]
+__all__ = ["known_creep", "unknown_share"]
 
 HALF = 0.5
 """As much again of the slip, with all the grip; as the controller has it (`machine.base.wheel_kernels.creep`)."""
+
+ROLLERS = 1.0
+OTHERS = 0.3
+"""Standard deviations of known creep as a share of it: rollers take current for their own turning, too."""
+
+
+def unknown_share(base: BaseDescription) -> float:
+    """By how much what is known of its creep may be wrong, as a share of it."""
+    rolls = base.base is not None and any(wheel.kind == "swedish" for wheel in base.base.wheels)
+    return ROLLERS if rolls else OTHERS
 
 
 def known_creep(recording: Recording, base: BaseDescription, turns: Array, steering: Array) -> tuple[Array, Array]:

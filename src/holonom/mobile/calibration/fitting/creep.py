@@ -14,10 +14,7 @@ from holonom.arrays import Array
 from holonom.mobile.calibration.fitting.residuals import Problem
 from holonom.mobile.calibration.runs import Run
 
-__all__ = ["UNKNOWN", "creep_covariance"]
-
-UNKNOWN = 0.3
-"""Standard deviation of what a wheel creeps, as a share: friction of gears, loads and floors are not as stated."""
+__all__ = ["creep_covariance"]
 
 
 def creep_covariance(problem: Problem, x: Array) -> Array:
@@ -38,10 +35,10 @@ def _varied(runs: tuple[Run, ...]) -> Iterator[tuple[Run, ...]]:
     """The runs with more creep of one wheel, then of the next, then across."""
     for j in range(max((run.creep.shape[1] for run in runs if len(run.creep)), default=0)):
         yield tuple(
-            replace(run, turns=run.turns - UNKNOWN * run.creep * (np.arange(run.creep.shape[1]) == j))
+            replace(run, turns=run.turns - run.creep_share * run.creep * (np.arange(run.creep.shape[1]) == j))
             if len(run.creep)
             else run
             for run in runs
         )
     if any(len(run.drift) for run in runs):
-        yield tuple(replace(run, drift=(1.0 + UNKNOWN) * run.drift) for run in runs)
+        yield tuple(replace(run, drift=(1.0 + run.creep_share) * run.drift) for run in runs)
