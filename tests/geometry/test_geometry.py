@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from holonom.errors import InputError, ModelError
-from holonom.geometry import Box, Cylinder, distance, hull, margin, outline, ray_cast
+from holonom.geometry import Box, Cylinder, distance, gap, hull, margin, outline, ray_cast
 
 SHAPES = [Box((0.6, 0.3, 1.0)), Cylinder(0.25, 0.8), Box((1.0, 1.0, 0.0))]
 
@@ -69,3 +69,42 @@ def test_polygons():
         hull([[0, 0], [1, 1], [2, 2]])
     with pytest.raises(ModelError, match="finite size"):
         Box((1.0, -1.0, 1.0))
+
+
+def turned(corners, turn, place):
+    c, s = np.cos(turn), np.sin(turn)
+    return corners @ np.array([[c, s], [-s, c]]) + place
+
+
+def test_a_gap_is_that_of_the_nearest_points_of_two_polygons():
+    """Against dense samples of both outlines; an overlap is the way out along an edge's normal."""
+    rng = np.random.default_rng(2)
+    seen = set()
+    for _ in range(60):
+        shapes = [hull(rng.normal(size=(7, 2)) * 0.4), outline(Box((0.8, 0.3, 1.0)))]
+        one, other = (turned(c, rng.uniform(-3, 3), rng.uniform(-0.8, 0.8, 2)) for c in shapes)
+        found = gap(one, other)
+        assert found == pytest.approx(gap(other, one), abs=1e-12)
+        edges = [np.linspace(c, np.roll(c, -1, 0), 80).reshape(-1, 2) for c in (one, other)]
+        least = np.linalg.norm(edges[0][:, None] - edges[1], axis=-1).min()
+        inside = (margin(one, edges[1]) > 0.0).any() or (margin(other, edges[0]) > 0.0).any()
+        seen.add(inside)
+        if inside:
+            assert found < 0.0
+            free = min(
+                (
+                    gap(one + (found - 1e-9) * d, other)
+                    for c in (one, other)
+                    for d in np.vstack([normals(c), -normals(c)])
+                ),
+                key=abs,
+            )
+            assert free == pytest.approx(0.0, abs=1e-6), "moved out by as much they touch"
+        else:
+            assert found == pytest.approx(least, abs=0.01)
+    assert seen == {True, False}
+
+
+def normals(corners):
+    along = np.roll(corners, -1, axis=0) - corners
+    return np.stack([along[:, 1], -along[:, 0]], axis=-1) / np.linalg.norm(along, axis=1, keepdims=True)

@@ -25,6 +25,7 @@ from holonom.app.report.findings.summary_lines import summary_lines
 from holonom.app.report.reporting import report_html
 from holonom.app.report.source import source_of
 from holonom.app.rig import Ended, Ending, Rig, simulated
+from holonom.app.rig.base import creep_of
 from holonom.app.start.named import refuse_other
 from holonom.control import CONTROLLERS
 from holonom.errors import InputError, OutputFault, ProgramError
@@ -169,7 +170,8 @@ def _run(plan: Plan, folder: RunFolder, interrupts: Interrupts, *, quiet: bool, 
     words: dict[str, dict[str, str]] = {}
     for base in job.bases:
         encoder = base.drive.encoder
-        words |= base_words(base.base, encoder.counts_per_rev, base.drive.gear.ratio, robot=base.name)
+        creep = creep_of(loops.bases[base.name].controller)
+        words |= base_words(base.base, encoder.counts_per_rev, base.drive.gear.ratio, robot=base.name, creep=creep)
     files = attachments_of(job, plan.controller, rated=[arm.rated for arm in job.arms], patches=job.patches)
     interrupts.keep()
     with (

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from holonom.arrays import Array
 from holonom.mobile import SlipStatus, WheelBase
+from holonom.mobile.base.drivable import skids
 from holonom.mobile.drive.failed_motor import motors_hold_all
 from holonom.signals import Event
 
@@ -26,7 +27,8 @@ class BaseWords:
     wheels
         Names of the driven wheels.
     slips
-        Slip speed, m/s, from which on a wheel truly slips: there friction is largest.
+        Slip speed, m/s, from which on a wheel truly slips: there friction is largest. Wheels that skid slip to turn,
+        which is no event.
     base
         Whose motors are lost; None: what that means for it is not said.
     keep
@@ -34,7 +36,8 @@ class BaseWords:
     """
 
     def __init__(self, wheels: Sequence[str], slips: float, base: WheelBase | None = None, keep: str = "both") -> None:
-        self._wheels, self._limit, self._base, self._keep = tuple(wheels), slips, base, keep
+        self._wheels, self._base, self._keep = tuple(wheels), base, keep
+        self._limit = np.inf if base is not None and skids(base.wheels) else slips
         self._last_text, self._silent = "", 0
         self._slipping = np.zeros(len(wheels), np.int64)  # ms for which each goes on slipping
         self._most = np.zeros(len(wheels))  # m/s, largest slip since it began

@@ -5,11 +5,12 @@
 `distance`         of points from a shape, negative inside
 `ray_cast`         how far rays go until they meet a shape
 `hull`, `margin`   of points in the plane; distance of a point within a convex polygon
+`gap`              between two convex polygons, negative where they overlap
 =================  ==================================================================
 """
 
 from holonom.geometry.distance import distance
-from holonom.geometry.polygons import hull, margin, normals_and_offsets
+from holonom.geometry.polygons import gap, hull, margin, normals_and_offsets
 from holonom.geometry.rays import ray_cast
 from holonom.geometry.shapes import Box, Cylinder, Shape, outline
 
@@ -18,6 +19,7 @@ __all__ = [
     "Cylinder",
     "Shape",
     "distance",
+    "gap",
     "hull",
     "margin",
     "normals_and_offsets",

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from holonom.arrays import Array, vectors
 from holonom.errors import InputError
 
-__all__ = ["hull", "margin", "normals_and_offsets"]
+__all__ = ["gap", "hull", "margin", "normals_and_offsets"]
 
 FLAT = 1e-9
 """Second singular value of points, as a share of the first, up to which they lie on a line."""
@@ -44,3 +44,29 @@ def margin(corners: Array, points: ArrayLike) -> Array:
     normals, offsets = normals_and_offsets(corners)
     found: Array = np.asarray((offsets - vectors("points", points, 2) @ normals.T).min(axis=-1))
     return found
+
+
+def gap(corners: Array, others: Array) -> float:
+    """Distance of two convex polygons (k, 2), (m, 2), m; where they overlap less than zero: how far to move one out.
+
+    Corners are counter-clockwise. An edge's line parts what does not overlap (Ericson, Real-Time Collision Detection,
+    5.2.1); the nearest points are a corner of one and a point of an edge of the other.
+    """
+    beyond = max(_beyond(corners, others), _beyond(others, corners))
+    if beyond <= 0.0:
+        return beyond
+    return min(_corner_to_edge(corners, others), _corner_to_edge(others, corners))
+
+
+def _beyond(corners: Array, others: Array) -> float:
+    """How far others lie beyond the edge that they are farthest beyond, m."""
+    normals, offsets = normals_and_offsets(corners)
+    return float(((normals @ others.T).min(axis=1) - offsets).max())
+
+
+def _corner_to_edge(corners: Array, points: Array) -> float:
+    """Least distance of points from the edges of corners, m."""
+    along = np.roll(corners, -1, axis=0) - corners
+    away = points[:, None] - corners
+    share = np.clip(np.sum(away * along, axis=-1) / np.sum(along * along, axis=-1), 0.0, 1.0)
+    return float(np.linalg.norm(away - share[..., None] * along, axis=-1).min())

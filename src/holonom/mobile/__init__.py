@@ -10,9 +10,10 @@ Wheels and bases
     `load_base` reads wheels from a URDF or xacro file, `base_urdf` writes one.
 Standing and tipping over
     `support_polygon`, `static_margin`, `zero_moment_point`, `dynamic_margin`, `acceleration_limit`, `lateral_limit`,
-    `turning_speed`, `wheel_loads`.
+    `turning_speed`, `wheel_loads`; `footprint`, what it covers of the floor.
 Motion in the plane
-    `poses`: exact arcs, composition, twists in robot and world; `curves`: Dubins and Reeds-Shepp curves.
+    `poses`: exact arcs, composition, twists in robot and world; `curves`: Dubins and Reeds-Shepp curves; `towed`:
+    trailers along poses.
 What drives a base
     `BaseDrive` (data sheets of motor, gear, encoder of its wheels), `BaseSensors` (how its sensors err).
 Omni drives
@@ -89,6 +90,7 @@ from holonom.mobile.drive.limits import DriveLimits, drive_limits
 from holonom.mobile.drive.patterns import PatternParts, copper_loss, idle_patterns, readable_patterns, split_pattern
 from holonom.mobile.drive.slip import SlipReport, SlipSettings, SlipStatus, detect_slip, separable_wheels
 from holonom.mobile.drive.speed_profile import SpeedProfile, speed_profile
+from holonom.mobile.footprint import footprint
 from holonom.mobile.methods import ARRANGEMENTS, LOCALISERS, SLIP_DETECTORS, arrangement
 from holonom.mobile.stability import (
     acceleration_limit,
@@ -101,6 +103,7 @@ from holonom.mobile.stability import (
     wheel_loads,
     zero_moment_point,
 )
+from holonom.mobile.trailers import Towed, towed
 
 __all__ = [
     "ARRANGEMENTS",
@@ -124,6 +127,7 @@ __all__ = [
     "SlipSettings",
     "SlipStatus",
     "SpeedProfile",
+    "Towed",
     "Wheel",
     "WheelBase",
     "WheelRates",
@@ -155,6 +159,7 @@ __all__ = [
     "dynamic_margin",
     "effective_motors",
     "feasible_twist",
+    "footprint",
     "force_envelope",
     "idle_patterns",
     "is_holonomic",
@@ -180,6 +185,7 @@ __all__ = [
     "support_polygon",
     "swerve",
     "synchro",
+    "towed",
     "tricycle",
     "turning_speed",
     "wheel_forces",

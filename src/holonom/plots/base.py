@@ -14,6 +14,7 @@ from holonom.errors import ModelError, ShapeError
 from holonom.mobile.base.centre import centre_of_twist
 from holonom.mobile.base.wheel import Wheel
 from holonom.mobile.base.wheel_base import WheelBase
+from holonom.mobile.footprint import footprint
 from holonom.mobile.stability import contact_points, support_polygon
 from holonom.plots.figure import COLORS, new_figure, saved
 
@@ -149,15 +150,7 @@ def _support(axes: Any, base: WheelBase) -> None:
 
 def _body(axes: Any, base: WheelBase, size: float) -> None:
     """A skin around circles at the wheels."""
-    from scipy.spatial import ConvexHull
-
-    around = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
-    ring = np.stack([np.cos(around), np.sin(around)], axis=1)
-    pad = 0.04 * size
-    points = np.concatenate(
-        [p + (w.radius + pad) * ring for w, p in zip(base.wheels, contact_points(base), strict=True)]
-    )
-    skin = points[ConvexHull(points).vertices]
+    skin = footprint(base, pad=0.04 * size)
     axes.fill(*_xy(skin), facecolor=_BODY, edgecolor="0.75", linewidth=1.0, zorder=0.5)
 
 

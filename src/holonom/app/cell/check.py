@@ -8,6 +8,7 @@ from typing import Any
 
 from holonom.app.cell.build.base_use import path_use, path_warnings
 from holonom.app.cell.build.job import build_job
+from holonom.app.cell.in_the_way import first_met
 from holonom.app.cell.load import load_cell
 from holonom.app.cell.rehearse import rehearse
 from holonom.app.console.answer import Answer
@@ -113,4 +114,11 @@ def _base(job: Job, base: BaseJob) -> _Said:
         f"a path of {use['path_length_m']:.1f} m in {use['estimated_time_s']:.1f} s, wheels at up to "
         f"{use['peak_wheel_speed_rad_s']:.0f} of {use['wheel_speed_limit_rad_s']:.0f} rad/s"
     )
-    return _Said(text, data | use, path_warnings(base, job.floor))
+    met = first_met(base, job.obstacles)
+    if met is None:
+        return _Said(text, data | use, path_warnings(base, job.floor))
+    who = f"{base.name}: it" if base.name else "the base"
+    wrong = [f"{who} would hit {met.name} at {met.time:.2f} s of its path"] if met.distance < 0.0 else []
+    text += f", {1e3 * met.distance:.0f} mm from {met.name} at {met.time:.1f} s"
+    data["clearance_m"] = met.distance
+    return _Said(text, data | use, path_warnings(base, job.floor), wrong=wrong)

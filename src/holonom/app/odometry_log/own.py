@@ -9,6 +9,7 @@ import numpy as np
 
 from holonom.app.odometry_log.checks import check_motion, check_time, part_names
 from holonom.app.odometry_log.log import OdometryLog, Subject
+from holonom.app.odometry_log.recorded.creep import known_creep, unknown_share
 from holonom.app.odometry_log.table import Table
 from holonom.app.recording import CUT_OFF, Recording, read_recording
 from holonom.app.recording.format.pieces import read_pieces
@@ -48,10 +49,14 @@ def read_own(path: Path) -> OdometryLog | None:
     subject = _subject(path, base)
     table, turns = _table(path, recording, base)
     steering = _steering(path, recording, subject.base, table.column("time"))
+    creep, drift = known_creep(recording, base, turns, steering)
     (table,), notes = check_time(table, allow_gaps=False, running=True)
     truth = table.values[:, -3:]
     name = part_names(path, 1)[0]
-    run = Run(name, table.column("time"), turns, truth, steering)
+    run = Run(
+        name, table.column("time"), turns - creep if len(creep) else turns, truth, steering, drift=drift, creep=creep,
+        creep_share=unknown_share(base),
+    )  # fmt: skip
     doubts = check_motion(table, run, subject.parameters(), base.wheels)
     cut = (f"{path} was cut off; what is there is taken",) if recording.ended == CUT_OFF else ()
     lost = tuple(f"{path} is damaged or cut off, missing is {missing.text()}" for missing in recording.missing)

@@ -12,10 +12,29 @@ import numpy as np
 from holonom.errors import InputError
 from holonom.mobile import Wheel, WheelBase
 
-__all__ = ["ROBOT", "BaseDescription", "base_of", "base_words"]
+__all__ = ["ROBOT", "BaseDescription", "WheelCreep", "base_of", "base_words"]
 
 ROBOT = "robot"
 """Name of the words."""
+
+
+@dataclass(frozen=True, slots=True)
+class WheelCreep:
+    """What the controller knows of gripping wheels, which creep the more the harder they push.
+
+    Attributes
+    ----------
+    grip_per_ampere
+        Part of its grip that each driven rim uses, per ampere of its motor.
+    full
+        Slip of each, m/s, with all its grip, were it to grow linearly.
+    across
+        s, that wheels which do not slide creep against an acceleration.
+    """
+
+    grip_per_ampere: tuple[float, ...]
+    full: tuple[float, ...]
+    across: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +53,8 @@ class BaseDescription:
         Of the encoder's shaft, and turns of that shaft per turn of a wheel.
     base
         All wheels; None in recordings that do not hold them.
+    creep
+        None where it is not said.
     """
 
     wheels: tuple[str, ...]
@@ -42,10 +63,11 @@ class BaseDescription:
     counts_per_turn: int
     gear_ratio: float
     base: WheelBase | None = None
+    creep: WheelCreep | None = None
 
 
 def base_words(
-    base: WheelBase, counts_per_turn: int, gear_ratio: float, *, robot: str = ""
+    base: WheelBase, counts_per_turn: int, gear_ratio: float, *, robot: str = "", creep: WheelCreep | None = None
 ) -> dict[str, dict[str, str]]:
     """Return the words for a base, as `Recorder` takes them; of several robots each has words of its own name."""
     rows = base.rest_coupling * [1.0, 1.0, base.radius]
@@ -62,6 +84,8 @@ def base_words(
             "steering_groups": _groups(base),
         },
     }
+    if creep is not None:
+        description["creep"] = asdict(creep)
     return {_name(robot): {"kind": "base", "description": json.dumps(description)}}
 
 
@@ -86,6 +110,7 @@ def base_of(metadata: Mapping[str, Mapping[str, str]], robot: str = "") -> BaseD
             counts_per_turn=int(description["counts_per_turn"]),
             gear_ratio=float(description["gear_ratio"]),
             base=_base(description),
+            creep=_creep(description),
         )
     except (InputError, KeyError, TypeError, ValueError, OverflowError, RecursionError) as error:
         raise InputError(f"the recording's words on its robot cannot be read ({error}); record it again") from None
@@ -109,6 +134,16 @@ def _base(description: Mapping[str, Any]) -> WheelBase | None:
         wheels.append(Wheel(**stated))
     groups = words["steering_groups"]
     return WheelBase(wheels, name=str(description["name"]), radius=float(words["radius"]), steering_groups=groups)
+
+
+def _creep(description: Mapping[str, Any]) -> WheelCreep | None:
+    words = description.get("creep")
+    if words is None:
+        return None
+    per_ampere, full = (tuple(float(x) for x in words[key]) for key in ("grip_per_ampere", "full"))
+    if not len(per_ampere) == len(full) == len(description["wheels"]):
+        raise ValueError(f"creep of {len(full)} wheels, {len(description['wheels'])} are there")
+    return WheelCreep(per_ampere, full, float(words["across"]))
 
 
 def _name(robot: str) -> str:

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from holonom.app.job import BaseJob
+from holonom.app.recording.robot import WheelCreep
 from holonom.app.rig.base_records import BaseRecords
 from holonom.app.rig.path_judge import PathJudge
 from holonom.arrays import Array
@@ -25,7 +26,7 @@ from holonom.sim import BasePlant, Floor
 from holonom.sim.base.balancing import FALLEN
 from holonom.sim.base.log import of_wheels
 
-__all__ = ["BaseRig", "BaseTruthView", "make_base"]
+__all__ = ["BaseRig", "BaseTruthView", "creep_of", "make_base"]
 
 
 MS = 10  # of a tick
@@ -307,3 +308,11 @@ class BaseRig:
     def log(self, level: str, source: str, text: str) -> None:
         """Record an event of it."""
         self._sink.put(Event(self.loop.time, level, source, text))
+
+
+def creep_of(controller: BaseController) -> WheelCreep:
+    """Return what a controller knows of its wheels' creep, as its recording says it."""
+    params, m = controller.params, len(controller.radii)
+    return WheelCreep(
+        tuple(params.grip_per_ampere[:m].tolist()), tuple(params.creep[:m].tolist()), float(params.creep_across)
+    )

@@ -1,20 +1,22 @@
-"""What robots may not hit: bases as discs, arms as the lines between their joints, obstacles as boxes and cylinders."""
+"""What robots may not hit: bases by what they cover of the floor, arms as lines between joints, boxes and cylinders."""
 
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from holonom.app.cell.in_the_way import Outline, base_outline, height_of, nearest, outlines_of
 from holonom.app.cell.surroundings import link_points
 from holonom.app.job import Obstacle
 from holonom.app.rig.arm import ArmRig
 from holonom.app.rig.base import BaseRig
 from holonom.app.rig.robot import RobotRig
+from holonom.arrays import Array
 from holonom.geometry import distance
+from holonom.mobile import footprint
 from holonom.spatial import inverse
 
 __all__ = ["Collisions", "Hit"]
@@ -32,24 +34,23 @@ class Collisions:
 
     def __init__(self, obstacles: Sequence[Obstacle]) -> None:
         self._obstacles = [(obstacle, inverse(obstacle.T)) for obstacle in obstacles]
+        self._outlines = outlines_of(obstacles)
+        self._footprints: dict[str, Array] = {}
 
     def first(self, bases: Iterable[BaseRig], arms: Iterable[ArmRig]) -> Hit | None:
         """Return the first hit that is found, None if there is none."""
         bases = list(bases)
+        places = {base.name: self._place(base) for base in bases} if self._obstacles or len(bases) > 1 else {}
         for base, other in itertools.combinations(bases, 2):
-            away = math.hypot(*(base.loop.plant.pose - other.loop.plant.pose)[:2])
-            if away < _reach(base) + _reach(other):
+            if nearest(places[base.name], [places[other.name]], np.inf)[1] < 0.0:
                 moving = other if other.speed > base.speed else base
                 return Hit(moving, f"it hit {base.name if moving is other else other.name}")
         if not self._obstacles:
             return None
         for base in bases:
-            x, y, _ = base.loop.plant.pose
-            for obstacle, T in self._obstacles:
-                low = float(obstacle.T[2, 3]) - 0.5 * obstacle.shape.height
-                here = T @ np.array([x, y, obstacle.T[2, 3], 1.0])
-                if low < base.job.base.com_height + 0.1 and distance(obstacle.shape, here[:3]) < _reach(base):
-                    return Hit(base, f"{'it' if base.name else 'the base'} hit {obstacle.name}")
+            name, away = nearest(places[base.name], self._outlines, height_of(base.job.base))
+            if away < 0.0:
+                return Hit(base, f"{'it' if base.name else 'the base'} hit {name}")
         for arm in arms:
             points = link_points(arm.arm.frames())
             for obstacle, T in self._obstacles:
@@ -57,6 +58,7 @@ class Collisions:
                     return Hit(arm, f"{'it' if arm.name else 'the arm'} hit {obstacle.name}")
         return None
 
-
-def _reach(base: BaseRig) -> float:
-    return max(math.hypot(wheel.x, wheel.y) for wheel in base.job.base.wheels)
+    def _place(self, base: BaseRig) -> Outline:
+        if base.name not in self._footprints:
+            self._footprints[base.name] = footprint(base.job.base)
+        return base_outline(self._footprints[base.name], base.loop.plant.pose, base.name)

@@ -12,6 +12,7 @@ import numpy as np
 from holonom.app.cell.build.base import unsimulated
 from holonom.app.start.text import angle, length, quoted, rows
 from holonom.errors import InputError, UnknownName
+from holonom.mobile.base.drivable import skids
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.methods import ARRANGEMENTS
 from holonom.registry import Field
@@ -30,7 +31,7 @@ def _circle(base: WheelBase, scale: float) -> Rows:
     """A circle that the wheels can be steered around."""
     turns = any(wheel.kind in ("steered", "skid") for wheel in base.wheels)
     size = max(SMALLEST, ROOM * scale * max(wheel.l for wheel in base.wheels) if turns else 0.0)
-    slow = any(wheel.kind == "skid" for wheel in base.wheels)
+    slow = skids(base.wheels)
     speed = 0.3 if slow else round(math.sqrt(SMALLEST * size), 1)
     heading = "tangent" if np.isfinite(base.turning_radius) else "fixed"
     return [

@@ -23,7 +23,7 @@ from holonom.machine.base.laws import Law, path_law_call
 from holonom.machine.base.params import BaseParams
 from holonom.machine.base.settings import KEEP, BaseSettings, Creep, slip_settings
 from holonom.machine.base.steering_kernels import SteeredParams
-from holonom.mobile.base.drivable import moves_sideways
+from holonom.mobile.base.drivable import moves_sideways, skids
 from holonom.mobile.base.dynamics import inertia_over_mass
 from holonom.mobile.base.wheel import KINDS, Wheel
 from holonom.mobile.base.wheel_base import WheelBase
@@ -103,7 +103,7 @@ def base_params(
         lever=base.radius,
         sideways=moves_sideways(base),
         detect=slip is not None,
-        control_traction=settings.traction is not None and not _skids(base),  # whose wheels slip to turn
+        control_traction=settings.traction is not None and not skids(base.wheels),  # whose wheels slip to turn
         compensate=settings.watch is not None,
     )
 
@@ -119,22 +119,18 @@ def _wheel_of_row(base: WheelBase) -> list[int]:
     return [k for k, wheel in enumerate(driven) for _ in KINDS[wheel.kind].speeds(wheel)]
 
 
-def _skids(base: WheelBase) -> bool:
-    return any(wheel.kind == "skid" for wheel in base.wheels)
-
-
 def _estimate_params(base: WheelBase, settings: BaseSettings) -> EstimateParams:
     """Wheels that skid do not tell how fast the base turns, so nothing of the gyro's zero."""
     params = settings.estimate.params(TICK)
     if base.balances:  # its accelerometers lean with it
         params = params._replace(max_pull=LEANING_PULL)
-    return params._replace(bias_gain=0.0) if _skids(base) else params
+    return params._replace(bias_gain=0.0) if skids(base.wheels) else params
 
 
 def _check_params(base: WheelBase, settings: BaseSettings, drivable: Array) -> CheckParams | None:
     """Of wheels that roll, under a body that stands; omni bases have their spare wheel, or nothing that tells."""
     omni = not base.steered and np.linalg.matrix_rank(drivable, tol=1e-9) == 3
-    if settings.check is None or settings.slip is None or omni or base.balances or _skids(base):
+    if settings.check is None or settings.slip is None or omni or base.balances or skids(base.wheels):
         return None
     return settings.check.params(TICK)
 

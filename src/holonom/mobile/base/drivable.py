@@ -17,12 +17,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holonom.arrays import Array
+from holonom.errors import ModelError
 from holonom.mobile.base.dynamics import free_motions
 from holonom.mobile.base.wheel import Wheel
 from holonom.mobile.equations.base_models import Layout
 from holonom.mobile.equations.wheels import rolling_row, sliding_row, unit
 
-__all__ = ["Wedges", "moves_sideways", "tightest_curve", "wedges_of"]
+__all__ = ["Wedges", "check_steerable", "moves_sideways", "skids", "tightest_curve", "wedges_of"]
 
 ROUNDING = 1e-9
 """Of a twist, by which it may lie outside a wedge; part of a radian by which it is kept inside."""
@@ -47,10 +48,15 @@ class Wedges:
     def __init__(self, wheels: list[tuple[Wheel, float]], held: Array, radius: float) -> None:
         self.held, self.radius, scale = held, radius, np.array([1.0, 1.0, 1.0 / radius])
         bound = [(wheel, limit) for wheel, limit in wheels if limit < 0.5 * math.pi - ROUNDING]
+        self.bound = bound
         self.slope = np.array([math.tan(limit) * (1.0 - ROUNDING) for _, limit in bound])
         places = [(wheel.x, wheel.y, *unit(wheel.axle)) for wheel, _ in bound]
         self.along = np.array([rolling_row(*place) for place in places], dtype=float).reshape(-1, 3) * scale
         self.across = np.array([sliding_row(*place) for place in places], dtype=float).reshape(-1, 3) * scale
+
+    def of(self, kept: Sequence[int]) -> Wedges:
+        """The wedges of some of the wheels that have limits."""
+        return Wedges([self.bound[k] for k in kept], self.held, self.radius)
 
     @property
     def projector(self) -> Array:
@@ -89,6 +95,40 @@ class Wedges:
         found = v.copy()
         found[beyond] = best
         return found
+
+
+def check_steerable(name: str, wedges: Wedges) -> None:
+    """Refuse limits of steered wheels within which no twist lies at all.
+
+    Raises
+    ------
+    ModelError
+        Names a smallest set of wheels whose limits exclude each other.
+    """
+    if _movable(wedges):
+        return
+    kept = list(range(len(wedges.bound)))
+    for k in tuple(kept):
+        fewer = [i for i in kept if i != k]
+        if not _movable(wedges.of(fewer)):
+            kept = fewer
+    limits = ", ".join(f"{w.name!r} ({math.degrees(limit):.3g} deg)" for w, limit in (wedges.bound[k] for k in kept))
+    fixed = " and what the fixed wheels allow" if len(wedges.held) else ""
+    raise ModelError(
+        f"base {name!r} cannot move: the steering limits of {limits}{fixed} exclude each other, no motion is within "
+        "all of them; give more max_steering, or turn the wheels at rest to where they are to roll"
+    )
+
+
+def _movable(wedges: Wedges) -> bool:
+    """Whether any twist but rest lies in all wedges: then one on their edges does, or one that has no edge."""
+    if not len(wedges.bound):
+        return True
+    for rows in _subsets(wedges.edges, free_motions(wedges.held).shape[1]):
+        span = free_motions(np.concatenate([wedges.held, rows]))
+        if span.shape[1] and wedges.hold(span.T).any():
+            return True
+    return False
 
 
 def wedges_of(layout: Layout, limits: Sequence[float], names: Sequence[str], sliding: Array, radius: float) -> Wedges:
@@ -131,6 +171,11 @@ def tightest_curve(wedges: Wedges, radius: float) -> float:
 def _subsets(rows: Array, most: int) -> list[Array]:
     """Sets of up to so many rows less one: spans of at least one dimension."""
     return [rows[list(k)] for n in range(most) for k in itertools.combinations(range(len(rows)), n)]
+
+
+def skids(wheels: Sequence[Wheel]) -> bool:
+    """Whether a base turns as its wheels slip across."""
+    return any(wheel.kind == "skid" for wheel in wheels)
 
 
 class _Drivable(Protocol):

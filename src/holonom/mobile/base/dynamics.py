@@ -13,7 +13,7 @@ import numpy as np
 from holonom.arrays import Array
 from holonom.mobile.base.mobility import free_twists
 
-__all__ = ["drift", "free_motions", "inertia_over_mass", "reaction"]
+__all__ = ["distinct_rows", "drift", "free_motions", "inertia_over_mass", "reaction"]
 
 
 def inertia_over_mass(radius: float, alpha: float, com: Array) -> Array:
@@ -47,3 +47,10 @@ def drift(motions: Array, inertia: Array, com: Array, twist: Array) -> Array:
     pull = np.stack([-w * w * com[0], -w * w * com[1], zero], axis=-1)  # of the centre of mass about the origin
     found: Array = turning - (turning @ inertia.T + pull) @ reaction(motions, inertia).T
     return found
+
+
+def distinct_rows(rows: Array) -> Array:
+    """Rows (n, 3) of which no other one is the same, or points the other way."""
+    first = np.take_along_axis(rows, (np.abs(rows) > 1e-12).argmax(axis=1)[:, None], axis=1)
+    _, distinct = np.unique(np.round(rows * np.sign(first), 12), axis=0, return_index=True)
+    return np.asarray(rows[distinct])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -27,6 +28,9 @@ RANK = 1e-7
 
 FIRST_ANGLES = (0.37, 1.03, 1.91, 2.73)
 """Steering angles whose motions together span those of all: any will do, but no special ones."""
+
+
+MOST = 3  # wheels that are in each other's way, of which it is said what is left without them
 
 
 class Mobility(NamedTuple):
@@ -127,9 +131,30 @@ def check_movable(layout: Layout) -> None:
     miss = axle_miss(layout.radius, _rows(part, tuple(0.0 for _ in part.groups)))
     raise ModelError(
         f"wheels {names} cannot roll together: their axles meet in no common point at any steering "
-        f"(at rest they miss by {miss:.3g} m), so the base cannot move; turn an axle to the point where the others "
-        "meet, steer one of them by itself, or make one a castor"
+        f"(at rest they miss by {miss:.3g} m), so the base cannot move{_left(layout, held)}; turn an axle to the "
+        "point where the others meet, steer one of them by itself, or make one a castor"
     )
+
+
+def _left(layout: Layout, held: Sequence[int]) -> str:
+    """What motion the base has without one of the wheels that are in each other's way, for the first few of these."""
+    found = []
+    for i in held[:MOST]:
+        rest = stance(_part(layout, [k for k in range(len(layout.wheels)) if k != i]))
+        if rest is not None:
+            found.append(f"without {layout.wheels[i].name!r} it could {_motion(layout.radius, rest.motions)}")
+    return "".join(f"; {text}" for text in found)
+
+
+def _motion(radius: float, motions: Array) -> str:
+    """Motions (3, dm) in words."""
+    if motions.shape[1] > 1:
+        return f"move in {motions.shape[1]} ways at once"
+    vx, vy, w = motions[:, 0]
+    if abs(w) * radius < RANK * math.hypot(vx, vy):
+        return f"only move straight on, at {math.degrees(math.atan2(vy, vx)) % 180.0:.3g} deg"
+    x, y = round(-vy / w, 9) + 0.0, round(vx / w, 9) + 0.0  # no -0
+    return f"only turn about ({x:.3g}, {y:.3g}) m"
 
 
 def stance(layout: Layout, first: float = 0.37) -> Stance | None:

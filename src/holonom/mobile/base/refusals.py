@@ -11,7 +11,7 @@ from holonom.arrays import Array, vectors
 from holonom.errors import InputError, OutOfLimits
 from holonom.mobile.base.protocol import ConstrainedBase
 
-__all__ = ["beyond_steering", "dragged_wheel", "undetermined"]
+__all__ = ["beyond_steering", "dragged_wheel", "no_constant", "undetermined"]
 
 
 def dragged_wheel(base: ConstrainedBase, twist: ArrayLike, steering: ArrayLike | None, drag: Array) -> OutOfLimits:
@@ -38,6 +38,14 @@ def beyond_steering(base: ConstrainedBase, steering: Array, limits: list[float])
                 f"{limit:.4g} rad: ask for a wider turn"
             )
     return None
+
+
+def no_constant(base: ConstrainedBase) -> InputError:
+    """Say that a base that steers has no constant coupling."""
+    return InputError(
+        f"base {base.name!r} steers ({', '.join(base.steered)}): its coupling is no constant; "
+        "rolling_matrix(steering) holds the rows"
+    )
 
 
 def undetermined(base: ConstrainedBase) -> InputError:

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holonom.arrays import Array, finite, is_number, shown, vectors
-from holonom.errors import InputError, ModelError, OutOfLimits, ShapeError
+from holonom.errors import ModelError, OutOfLimits, ShapeError
 from holonom.mobile.base import equations as base_equations
 from holonom.mobile.base.castors import CastorRates, castor_rates
-from holonom.mobile.base.drivable import Wedges, tightest_curve, wedges_of
-from holonom.mobile.base.dynamics import free_motions, inertia_over_mass, reaction
+from holonom.mobile.base.drivable import Wedges, check_steerable, tightest_curve, wedges_of
+from holonom.mobile.base.dynamics import distinct_rows, free_motions, inertia_over_mass, reaction
 from holonom.mobile.base.mobility import check_movable, seen_twists
-from holonom.mobile.base.refusals import beyond_steering, dragged_wheel, undetermined
+from holonom.mobile.base.refusals import beyond_steering, dragged_wheel, no_constant, undetermined
 from holonom.mobile.base.wheel import KINDS, Wheel
 from holonom.mobile.base.wheel_set import body_inertia, known_suspension, named_wheels, not_below_zero, positive
 from holonom.mobile.base.wheel_set import steering_groups as grouped
@@ -73,7 +73,7 @@ class WheelBase:
     ------
     ModelError
         No wheels, none driven, a name twice, a number that is none, groups that are not disjoint sets of steered
-        wheels, or wheels that cannot roll together (names them).
+        wheels, or wheels that cannot roll together, at all or within their `max_steering` (names them).
     UnknownName
         A group names a wheel that there is not.
     """
@@ -119,6 +119,8 @@ class WheelBase:
         self.wheel_radii: Array = np.array(radii)[self._driven_rows]
         self.notes = tuple(notes)
         self._equations: dict[str, BaseEquation] = {}
+        if self.steered and min(self._max_steering) < 0.5 * math.pi:
+            check_steerable(name, self._wedges)
 
     def __repr__(self) -> str:
         return f"WheelBase({self.name!r}, {len(self.wheels)} wheels, {len(self.driven)} driven)"
@@ -339,10 +341,7 @@ class WheelBase:
             The base steers, so that D is no constant: `rolling_matrix(steering)`.
         """
         if self.steered:
-            raise InputError(
-                f"base {self.name!r} steers ({', '.join(self.steered)}): its coupling is no constant; "
-                "rolling_matrix(steering) holds the rows"
-            )
+            raise no_constant(self)
         return self.rest_coupling
 
     @property
@@ -387,10 +386,8 @@ class WheelBase:
 
         A lone one stands twice: a product with one column takes BLAS longer than with two.
         """
-        rows = self.sliding_matrix()
-        first = np.take_along_axis(rows, (np.abs(rows) > 1e-12).argmax(axis=1)[:, None], axis=1)
-        _, distinct = np.unique(np.round(rows * np.sign(first), 12), axis=0, return_index=True)
-        return np.ascontiguousarray(rows[np.repeat(distinct, 2 if len(distinct) == 1 else 1)].T)
+        rows = distinct_rows(self.sliding_matrix())
+        return np.ascontiguousarray(np.repeat(rows, 2 if len(rows) == 1 else 1, axis=0).T)
 
     @functools.cached_property
     def _forward(self) -> Array:

@@ -85,8 +85,12 @@ def on_the_clock_of_the_wheels(run: Run, clock: Clock) -> Run:
     turns = run.turns[kept].copy()
     turns[0] = 0.0  # what came before the first sample is none of its own
     seen = CubicSpline(run.time, truth)(at)[kept]
-    rate, flow = (rows[kept] if len(rows) else rows for rows in (run.rate, run.flow))
-    return Run(run.name, run.time[kept], turns, seen, run.steering[kept], rate, flow)
+    rate, flow, drift, creep = (
+        rows[kept] if len(rows) else rows for rows in (run.rate, run.flow, run.drift, run.creep)
+    )
+    return Run(
+        run.name, run.time[kept], turns, seen, run.steering[kept], rate, flow, drift, creep, run.creep_share
+    )  # fmt: skip
 
 
 def _middle(run: Run) -> float:

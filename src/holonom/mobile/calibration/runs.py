@@ -14,7 +14,7 @@ from holonom.mobile.odometry import integrate
 __all__ = ["Motion", "PathErrors", "Run", "dead_reckoning", "lever_of", "need_truth", "path_errors"]
 
 
-_ROWS = ("time", "turns", "truth", "steering", "rate", "flow")
+_ROWS = ("time", "turns", "truth", "steering", "rate", "flow", "drift", "creep")
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +30,10 @@ class Run:
     steering : (N, k) angle of each steered wheel in each sample, rad; k may be 0.
     rate : (N,) of a gyro, rad/s, where the run has one; (0,) otherwise.
     flow : (N, 2) counts of an optical sensor in each sample along its own x and y; (0, 2) where there is none.
+    drift : (N, 3) by how much the base moved in each sample beside what its wheels rolled, m and rad, in its own axes,
+        where that is known; (0, 3) where it is not.
+    creep : (N, m) what was taken off the turns, rad, as they are known to creep; (0, m) where nothing was.
+    creep_share : standard deviation of creep and drift, as a share of them: gears, loads and floors are not as stated.
     """
 
     name: str
@@ -39,6 +43,9 @@ class Run:
     steering: Array
     rate: Array = field(default_factory=lambda: np.empty(0))
     flow: Array = field(default_factory=lambda: np.empty((0, 2)))
+    drift: Array = field(default_factory=lambda: np.empty((0, 3)))
+    creep: Array = field(default_factory=lambda: np.empty((0, 0)))
+    creep_share: float = 0.3
 
     def __post_init__(self) -> None:
         for name in _ROWS:
@@ -55,6 +62,10 @@ class Run:
             raise ShapeError(
                 f"run {self.name}: rates {self.rate.shape} and flow {self.flow.shape}; give {n} rows, or none"
             )
+        if self.drift.shape not in ((n, 3), (0, 3)):
+            raise ShapeError(f"run {self.name}: a drift of shape {self.drift.shape}; give ({n}, 3), or none")
+        if self.creep.size and self.creep.shape != self.turns.shape:
+            raise ShapeError(f"run {self.name}: creep of shape {self.creep.shape}; give {self.turns.shape}, or none")
         for name in _ROWS:
             if not np.all(np.isfinite(getattr(self, name))):
                 raise NotFinite(f"run {self.name}: {name} holds NaN or infinity; repair the log")
@@ -146,9 +157,15 @@ def dead_reckoning(run: Run, motion: Array | Motion, rule: str = "midpoint") -> 
     rule : of integration.
     """
     start = np.array([*run.truth[0, :2], run.heading[0]]) if len(run.truth) else np.zeros(3)
-    if isinstance(motion, Motion):
-        return integrate(motion.increments(run), start=start, rule=rule)
+    if isinstance(motion, Motion) or len(run.drift):
+        return integrate(increments_of(run, motion), start=start, rule=rule)
     return integrate(run.features, matrix=motion, start=start, rule=rule)
+
+
+def increments_of(run: Run, motion: Array | Motion) -> Array:
+    """Increments (N, 3) of a run by its wheels, and what it drifted beside them, m and rad."""
+    found = motion.increments(run) if isinstance(motion, Motion) else run.features @ motion.T
+    return found + run.drift if len(run.drift) else found
 
 
 def need_truth(runs: Sequence[Run]) -> None:

@@ -14,7 +14,7 @@ from holonom.app.recording.scope import Scope
 from holonom.app.report import Box, Label, Shape, Tube
 from holonom.app.rig.wheel_frames import framed_wheels
 from holonom.arrays import Array
-from holonom.mobile import Wheel, WheelBase
+from holonom.mobile import Wheel, WheelBase, footprint
 from holonom.spatial import pose
 
 __all__ = ["patch_shapes", "path_shapes", "reach_of", "shapes_of_base"]
@@ -22,6 +22,8 @@ __all__ = ["patch_shapes", "path_shapes", "reach_of", "shapes_of_base"]
 BODY, DECK, RUBBER, METAL, MARK = "#33415c", "#eef1f5", "#1f2937", "#aab4c3", "#d9480f"
 WHEEL_WIDTH = 0.45
 """Width of a drawn wheel over its radius."""
+LONG = 1.25
+"""Length over width of what a base covers, from which its body is drawn as a box."""
 DOTS = 120
 """Dots of a drawn path at most."""
 
@@ -81,7 +83,27 @@ def _rim(base: WheelBase) -> tuple[float, float, float]:
 
 
 def _body(base: WheelBase, frame: str) -> list[Shape]:
-    """A drum above and between the wheels, with a mark at its front; its deck is as high as the frame "top"."""
+    """A body above and between the wheels, with a mark at its front; its deck is as high as the frame "top"."""
+    size = np.ptp(footprint(base), axis=0)
+    return _box_body(base, frame) if size[0] > LONG * size[1] else _drum(base, frame)
+
+
+def _box_body(base: WheelBase, frame: str) -> list[Shape]:
+    """Of a base that is longer than wide, such as a car: no wider than what it covers of the floor."""
+    corners, top, r = footprint(base), deck_height(base), max(wheel.radius for wheel in base.wheels)
+    (x, y), (length, width) = 0.5 * (corners.min(axis=0) + corners.max(axis=0)), np.ptp(corners, axis=0)
+    inner = max(width - 3.2 * r, 0.3 * r)  # between the wheels
+    low, deck, plate = 0.5 * r, top - 0.55 * r, top - 0.15 * r
+    return [
+        Box(frame, pose((x, y, 0.5 * (low + deck))), (0.9 * length, inner, deck - low), BODY),
+        Box(frame, pose((x, y, 0.5 * (deck + plate))), (length, width, plate - deck), BODY),
+        Box(frame, pose((x, y, 0.5 * (plate + top))), (0.97 * length, 0.92 * width, top - plate), DECK),
+        Box(frame, pose((x + 0.32 * length, y, top + 0.04 * r)), (0.28 * length, 0.14 * width, 0.1 * r), MARK),
+    ]
+
+
+def _drum(base: WheelBase, frame: str) -> list[Shape]:
+    """Of a base about as long as wide."""
     (x, y, rim), top = _rim(base), deck_height(base)
     r = max(wheel.radius for wheel in base.wheels)
     on_ball = any(wheel.kind == "ball" or (wheel.kind == "spherical" and wheel.driven) for wheel in base.wheels)

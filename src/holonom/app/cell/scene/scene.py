@@ -143,7 +143,9 @@ def _still(cell: Cell, parts: Sequence[Disc], obstacles: Sequence[Obstacle]) -> 
         half = patch.radius if patch.radius is not None else 0.5 * max(patch.size or (0.0,))
         spheres.append((np.array([*patch.centre, 0.0]), half))
     spheres += [(disc.pose[:3, 3], disc.radius) for disc in parts]
-    spheres += [(o.T[:3, 3], o.shape.reach) for o in obstacles]
+    for o in obstacles:
+        corners = geometry.outline(o.shape) @ o.T[:2, :2].T + o.T[:2, 3]
+        spheres += [(np.array([*corner, o.T[2, 3] + 0.5 * o.shape.height]), 0.02) for corner in corners]
     return spheres
 
 

@@ -1,3 +1,3 @@
-"""Messages of recordings by ROS 2: what holds them, and the poses in them."""
+"""Recordings, by ROS 2 and by ourselves: what holds them, the poses in them, what their wheels creep."""
 
 __all__: list[str] = []

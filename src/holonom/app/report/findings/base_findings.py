@@ -21,6 +21,7 @@ from holonom.app.report.findings.base_words import (
 )
 from holonom.app.report.findings.facts import FaultFacts, RobotFacts
 from holonom.arrays import Array
+from holonom.mobile.base.drivable import skids
 from holonom.mobile.drive.slip import detectable
 
 __all__ = [
@@ -154,8 +155,10 @@ class BaseFindings:
 def findings_of(recording: Recording, facts: RobotFacts) -> BaseFindings:
     """Look through a base's recording: its events, and where they do not tell it the wheels' true slip."""
     limit = facts.base.slip_at_peak if facts.base is not None else SLIP_AT_PEAK
+    base = base_of(facts)
     verdicts = verdicts_of(recording.events, recording.end())
-    slips = _episodes(recording, verdicts, limit, detectable=_detectable(facts))
+    slips_to_turn = base is not None and skids(base.wheels)  # which is no fault
+    slips = [] if slips_to_turn else _episodes(recording, verdicts, limit, detectable=_detectable(facts))
     told = facts.base.faults if facts.base is not None else ()
     faults = faults_of(recording.events, told)
     lost = dead_since(recording.events)

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from holonom.app.recording import Recording
 from holonom.app.report.drawing.robot_map import MapRobot, RobotOutline, WheelOutline
 from holonom.app.report.findings.facts import RobotFacts
 from holonom.arrays import Array
 from holonom.errors import HolonomError, ModelError
-from holonom.mobile import WheelBase, centre_of_twist, contact_points, static_margin, support_polygon
+from holonom.mobile import WheelBase, centre_of_twist, contact_points, footprint, static_margin, support_polygon
 
 __all__ = ["base_of", "castors_along", "margin_of", "outline_of", "stations"]
 
@@ -55,7 +54,7 @@ def outline_of(base: WheelBase, castors: Array | None = None, steering: Array | 
         for wheel, place, angle in zip(base.wheels, contact_points(base, castors), turned, strict=True)
     ]  # fmt: skip
     com = (float(base.com[0]), float(base.com[1])) if base.mass is not None else None
-    return RobotOutline(_skin(base), tuple(wheels), _support(base, castors), com)
+    return RobotOutline(footprint(base, pad=PAD * base.radius), tuple(wheels), _support(base, castors), com)
 
 
 def margin_of(base: WheelBase) -> float | None:
@@ -133,17 +132,6 @@ def _centre(base: WheelBase, twist: Array | None, pose: Array) -> tuple[float, f
         return None
     c, s = np.cos(pose[2]), np.sin(pose[2])
     return float(pose[0] + c * x - s * y), float(pose[1] + s * x + c * y)
-
-
-def _skin(base: WheelBase) -> Array:
-    """Around circles at the wheels (N, 2), as figures of bases have it."""
-    turn = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
-    ring = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    pad = PAD * base.radius
-    rounds = [p + (w.radius + pad) * ring for w, p in zip(base.wheels, contact_points(base), strict=True)]
-    points = np.concatenate(rounds)
-    skin: Array = points[ConvexHull(points).vertices]
-    return skin
 
 
 def _support(base: WheelBase, castors: Sequence[float] | Array | None) -> Array | None:

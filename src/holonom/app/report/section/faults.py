@@ -9,16 +9,16 @@ from holonom.app.report.findings.base_findings import BaseFindings, DeadMotor, S
 from holonom.app.report.findings.base_words import broken
 from holonom.app.report.section_table import Section
 from holonom.app.report.source import RobotSource, Source
+from holonom.mobile.base.drivable import skids
 from holonom.registry import OWN, Method
 
 __all__ = ["SECTION"]
 
 HEAD = ("what happened", "since", "found after", "named after", "named")
 ROWS = 200
-NOTE = (
-    "The controller knows encoders, motor currents, gyro and accelerometers only; it is told of no fault. A wheel "
-    "slips here from the slip on at which friction peaks."
-)
+NOTE = "The controller knows encoders, motor currents, gyro and accelerometers only; it is told of no fault. "
+SLIPS = "A wheel slips here from the slip on at which friction peaks."
+SKIDS = "Its wheels slip to turn, which is no fault."
 
 
 def _bases(source: Source) -> list[RobotSource]:
@@ -34,9 +34,11 @@ def _section(robot: RobotSource, found: BaseFindings) -> Figures:
     rows = [*map(_slip, found.slips), *map(_motor, found.dead)]
     rows += [(alarm.what, f"{alarm.start:.3f} s", "", "", f"until {alarm.end:.3f} s") for alarm in found.alarms]
     more = f" The first {ROWS} of {len(rows)} are shown." if len(rows) > ROWS else ""
+    base = robot.facts.base
+    note = NOTE + (SKIDS if base is not None and skids(base.wheels) else SLIPS)
     nothing = "" if rows else " Nothing happened, and nothing was said."
     title = robot.called("Faults, and what was found of them")
-    return Figures(robot.key("faults"), title, [Table(HEAD, rows[:ROWS])] if rows else [], NOTE + nothing + more)
+    return Figures(robot.key("faults"), title, [Table(HEAD, rows[:ROWS])] if rows else [], note + nothing + more)
 
 
 def _slip(slip: SlipEpisode) -> tuple[str, ...]:

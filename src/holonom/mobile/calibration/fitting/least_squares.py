@@ -13,6 +13,7 @@ from holonom.errors import CalibrationError, OutOfLimits
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.calibration.clocks import truth_frame
 from holonom.mobile.calibration.derived import known_parameters
+from holonom.mobile.calibration.fitting.creep import creep_covariance
 from holonom.mobile.calibration.fitting.data_sheet import informed
 from holonom.mobile.calibration.fitting.limits import attainable, classical, largest_errors, within
 from holonom.mobile.calibration.fitting.pieces import prepared, surest
@@ -152,7 +153,7 @@ def calibrate(
     x = solve(problem, x)
     problem = prepared(problem, x) if limits is not None else surest(problem, x, lever=lever)
     x = solve(problem, x)
-    covariance = noise_covariance(problem.parts(x), None, problem.tightness)
+    covariance = noise_covariance(problem.parts(x), None, problem.tightness) + creep_covariance(problem, x)
     values = check_excitation(problem.residuals(x)[1], parameters, _relative(problem, x, covariance), suggest)
     _check_reach(x, parameters)
     doubt = float("nan")

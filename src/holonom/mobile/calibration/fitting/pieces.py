@@ -39,7 +39,11 @@ def cut(run: Run, samples: int) -> list[Run]:
         turns = run.turns[part].copy()
         if first:
             turns[0] = 0.0  # what came before a piece is none of its own
-        pieces.append(Run(run.name, run.time[part], turns, run.truth[part], run.steering[part]))
+        rest = Run(
+            run.name, run.time[part], turns, run.truth[part], run.steering[part], drift=run.drift[part],
+            creep=run.creep[part], creep_share=run.creep_share,
+        )  # fmt: skip
+        pieces.append(rest)
     return pieces
 
 

@@ -112,7 +112,8 @@ class Problem:
         n = len(at.increments)
         poses, slope = np.empty((n, 3)), np.empty((n, 3, len(p)))
         start = np.array([*run.truth[0, :2], run.heading[0]])
-        sensitivities_into(at.increments, at.slopes * scale, start, share, exact, poses, slope)
+        increments = at.increments + run.drift if len(run.drift) else at.increments
+        sensitivities_into(increments, at.slopes * scale, start, share, exact, poses, slope)
         error = poses - run.truth
         error[:, 2] = poses[:, 2] - run.heading
         weight = np.full(n, 1.0 / n)
