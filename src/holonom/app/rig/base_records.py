@@ -66,7 +66,7 @@ class BaseRecords:
         framed = framed_wheels(job.base)
         self._lanes = np.array([lane for lane, _ in framed], dtype=int)
         self._driven = np.array([wheel.driven for _, wheel in framed], dtype=bool)
-        self._steered = np.array([wheel.kind == "steered" for _, wheel in framed], dtype=bool)
+        self._steered = np.array([wheel.steers for _, wheel in framed], dtype=bool)
         names = [wheel.name for _, wheel in framed]
         self._groups = [names.index(job.base.wheels[group[0]].name) for group in job.base.layout.groups]
         self._standing = 0 if job.drives == "ideal" else len(standing_wheels(job.base))

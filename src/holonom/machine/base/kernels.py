@@ -161,7 +161,7 @@ def _sense(params: BaseParams, base: Any, signals: WheelSignals, wheels: Records
     m = len(work.rows)
     for i in range(m, len(work.estimate_rows)):  # wheels that do not slide still creep outwards
         p, q = work.estimate_rows[i, 0], work.estimate_rows[i, 1]
-        work.rims[i] = -params.creep_across * (p * base.imu_x + q * base.imu_y)
+        work.rims[i] = work.swinging[i - m] - params.creep_across * (p * base.imu_x + q * base.imu_y)
     if len(params.skid.wheels):
         _skid(params.skid, base, work)
 

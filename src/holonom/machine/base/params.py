@@ -61,7 +61,7 @@ class BaseTask(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Arrays of the controller: `rows`, `trust`, `weights`, `share`, `last`, `steering_rates` are kept."""
+    """Arrays of the controller: `rows`, `trust`, `weights`, `share`, `last`, `steering_rates`, `swung` are kept."""
 
     rows: Array  # (m, 3) rim speeds per (vx, vy, w), as the wheels are steered
     estimate_rows: Array  # (m + k, 3) the same, and k directions in which no wheel lets the base move
@@ -74,3 +74,5 @@ class Work(NamedTuple):
     acceleration: Array  # (3,)
     now: Array  # (9,) reference
     steering_rates: Array  # (n,) rad/s, of the angles that are asked for
+    swung: Array  # (n,) rad, where driven castors are believed to stand
+    swinging: Array  # (k,) m/s across of the contacts of driven castors, as they swing; 0 of wheels that do not

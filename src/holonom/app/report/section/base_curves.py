@@ -116,7 +116,7 @@ def _steering(robot: RobotSource, key: str) -> list[Curve]:
     measured, asked = (tracks.get(f"/{kind}/steering") for kind in ("measured", "commanded"))
     if measured is None or asked is None or base is None:
         return []
-    names = [wheel.name for wheel in base.wheels if wheel.kind == "steered"]
+    names = [wheel.name for wheel in base.wheels if wheel.steers]
     count = min(len(measured.time), len(asked.time))
     values = np.concatenate([measured.fields["angle"][:count], asked.fields["asked"][:count]], axis=1)
     if values.shape[1] != 2 * len(names):
