@@ -169,6 +169,14 @@ class WheelLoad(Record):
 
 
 @dataclass(frozen=True, slots=True)
+class Pitch(Record):
+    """A body that balances, (1,) rad forwards each: how it leans, and how its controller believes it to."""
+
+    angle: Array
+    seen: Array
+
+
+@dataclass(frozen=True, slots=True)
 class Steering(Record):
     """Steered wheels, (k,) rad against their rest each: angles by their encoders, angles asked of their motors."""
 
@@ -365,6 +373,14 @@ TOPICS: tuple[Topic, ...] = (
     Topic(
         "/truth/wheel_load", WheelLoad, ("load",), _NUMBERS, _TRUTH, "N", "",
         "what each wheel bears: the driven ones, then the others",
+    ),
+    Topic(
+        "/truth/pitch", Pitch, ("angle",), _NUMBERS, _TRUTH, "rad", "",
+        "how far a body that balances leans forwards",
+    ),
+    Topic(
+        "/estimated/pitch", Pitch, ("seen",), _NUMBERS, _ESTIMATED, "rad", "",
+        "how far its controller believes it to lean",
     ),
     Topic(
         "/measured/steering", Steering, ("angle",), _NUMBERS, _MEASURED, "rad", "",

@@ -140,6 +140,7 @@ def say(base: Any, wheels: Records, states: Records, row: Any, rows: Array) -> N
     row.ref_vx, row.ref_vy, row.ref_w, row.ref_rate = base.ref_vx, base.ref_vy, base.ref_w, base.ref_rate
     row.gyro, row.imu_x, row.imu_y = base.gyro, base.imu_x, base.imu_y
     row.status, row.flagged, row.dead, row.jams = base.status, base.flagged, base.dead, base.jams
+    row.seen_pitch = base.seen_pitch
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])
         store(rows[0], i, own.seen_speed / wheel.gear.ratio)

@@ -142,7 +142,7 @@ CONTROL_SAMPLE = np.dtype(
         (name, F)
         for name in (
             "seen_x", "seen_y", "seen_theta", "seen_vx", "seen_vy", "seen_w", "ref_x", "ref_y", "ref_theta", "ref_vx",
-            "ref_vy", "ref_w", "ref_rate", "gyro", "imu_x", "imu_y", "status", "flagged", "dead", "jams",
+            "ref_vy", "ref_w", "ref_rate", "gyro", "imu_x", "imu_y", "status", "flagged", "dead", "jams", "seen_pitch",
         )
     ]
 )  # fmt: skip

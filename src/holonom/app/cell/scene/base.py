@@ -27,10 +27,13 @@ DOTS = 120
 
 
 def shapes_of_base(job: BaseJob) -> list[Shape]:
-    """Shapes of a base in its frame "base_link", in those of its turning wheels, "wheel_1", and castors, "castor_1"."""
+    """Shapes of a base in its frame "base_link", in those of its turning wheels, "wheel_1", and castors, "castor_1".
+
+    A body that balances leans in a frame of its own, "body".
+    """
     scope = Scope(job.name, ())
     base, body = job.base, scope.frame("base_link")
-    shapes = _body(base, body)
+    shapes = _body(base, scope.frame("body") if base.balances else body)
     framed = framed_wheels(base)
     for number, (_, wheel) in enumerate(framed, 1):
         shapes += _tyre(scope.frame(f"wheel_{number}"), wheel, np.eye(4))

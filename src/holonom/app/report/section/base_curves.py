@@ -1,4 +1,4 @@
-"""Section: lines over time of each base: path error, motion, steering, wheels, slip, forces, motors."""
+"""Section: lines over time of each base: path error, motion, steering, pitch, wheels, slip, forces, motors."""
 
 from __future__ import annotations
 
@@ -49,6 +49,7 @@ def _of_base(robot: RobotSource, key: str) -> list[Curve]:
         *_path_errors(robot, key),
         *_motion(robot, key),
         *_steering(robot, key),
+        *_pitch(robot, key),
         Curve(f"{key}residual", "Rim speed that no twist explains", "m/s", contacts.time, contacts.residual, names),
         Curve(f"{key}slip", "Slip, true", "m/s", contacts.time, contacts.slip, names),
         *_status(robot, key),
@@ -127,6 +128,16 @@ def _steering(robot: RobotSource, key: str) -> list[Curve]:
             (*names, *(f"{name}, asked" for name in names)),
         )
     ]  # fmt: skip
+
+
+def _pitch(robot: RobotSource, key: str) -> list[Curve]:
+    """How a body that balances leans."""
+    true, seen = (robot.recording.tracks.get(f"/{kind}/pitch") for kind in ("truth", "estimated"))
+    if true is None or seen is None:
+        return []
+    count = min(len(true.time), len(seen.time))
+    values = np.concatenate([true.fields["angle"][:count], seen.fields["seen"][:count]], axis=1)
+    return [Curve(f"{key}pitch", "Pitch, forwards", "°", true.time[:count], np.degrees(values), ("true", "estimated"))]
 
 
 def _loads(robot: RobotSource, key: str) -> list[Curve]:
