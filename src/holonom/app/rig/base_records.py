@@ -131,7 +131,7 @@ class BaseRecords:
             put(BaseTruth(t, true.pose[k], true.twist[k]))
             put(Inertial(t, float(control["gyro"][k]), push[k]))
             put(WheelContact(t, true.forces[k], true.slip[k], residual[i]))
-            if self._standing:
+            if self._standing and loads[i].any():  # before its first step nothing is weighed
                 put(WheelLoad(t, loads[i]))
             if self._steered.any():
                 put(Steering(t, seen_steering[i, self._steered], asked_of[i, self._steered]))

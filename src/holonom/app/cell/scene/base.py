@@ -8,16 +8,18 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from holonom.app.cell.build.base import deck_height
-from holonom.app.cell.model.world import Patch
+from holonom.app.cell.model.world import Patch, StepTable
 from holonom.app.job import BaseJob
 from holonom.app.recording.scope import Scope
 from holonom.app.report import Box, Label, Shape, Tube
+from holonom.app.report.attachments import EDGE, step_corners, step_name
 from holonom.app.rig.wheel_frames import framed_wheels
 from holonom.arrays import Array
 from holonom.mobile import Wheel, WheelBase
+from holonom.sim import Step
 from holonom.spatial import pose
 
-__all__ = ["patch_shapes", "path_shapes", "reach_of", "shapes_of_base"]
+__all__ = ["patch_shapes", "path_shapes", "reach_of", "shapes_of_base", "step_shapes"]
 
 BODY, DECK, RUBBER, METAL, MARK = "#33415c", "#eef1f5", "#1f2937", "#aab4c3", "#d9480f"
 WHEEL_WIDTH = 0.45
@@ -68,6 +70,16 @@ def patch_shapes(patch: Patch) -> list[Shape]:
     T = pose((x, y, top - 0.003))
     T[:3, :3] = Rotation.from_euler("z", patch.angle).as_matrix()
     return [Box("world", T, (*patch.size, 0.006), "#bfe3f5"), label]
+
+
+def step_shapes(step: StepTable, length: float) -> list[Shape]:
+    """The edge of a step with its height, drawn on the floor: bases in the replay stay level with it."""
+    edge = Step(step.position, step.height, step.rise)
+    middle = step_corners(edge, length).mean(axis=0)
+    T = pose((float(middle[0]), float(middle[1]), -0.0025))
+    T[:3, :3] = Rotation.from_euler("z", step.rise).as_matrix()
+    beside = pose((float(middle[0]), float(middle[1]), 4e-4))
+    return [Box("world", T, (EDGE, length, 0.004), "#8b7355"), Label("world", beside, step_name(edge), 0.06, "#6b5637")]
 
 
 def reach_of(base: WheelBase) -> float:
