@@ -12,7 +12,7 @@ from holonom.mechanics.arm.sized_drives import sized_motor
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive
 
-__all__ = ["sized_base_drive"]
+__all__ = ["sized_base_drive", "usual_steering"]
 
 SUPPLY = 24.0
 """V, of a battery."""
@@ -51,12 +51,12 @@ def sized_base_drive(base: WheelBase, speed: float, acceleration: float) -> Base
     inertia = 0.5 * WHEEL_DENSITY * np.pi * radius**5
     return BaseDrive(
         sheet, Gear(motor.gear_ratio), Encoder(motor.encoder_counts), wheel_inertia=float(inertia),
-        steering=_steering(base, speed),
+        steering=usual_steering(base, speed),
     )  # fmt: skip
 
 
-def _steering(base: WheelBase, speed: float) -> SteeringMotor:
-    """A usual steering motor, of driven castors one that swings them as the base moves across and turns."""
+def usual_steering(base: WheelBase, speed: float) -> SteeringMotor:
+    """Return a usual steering motor; for driven castors one that swings them as pivots move across, m/s."""
     usual = SteeringMotor()
     levers = [abs(wheel.castor_offset) for wheel in base.wheels if wheel.powered_castor]
     return replace(usual, max_rate=max(usual.max_rate, SWINGING * speed / min(levers))) if levers else usual

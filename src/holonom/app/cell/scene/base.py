@@ -24,6 +24,7 @@ __all__ = ["patch_shapes", "path_shapes", "reach_of", "shapes_of_base", "step_sh
 BODY, DECK, RUBBER, METAL, MARK = "#33415c", "#eef1f5", "#1f2937", "#aab4c3", "#d9480f"
 WHEEL_WIDTH = 0.45
 """Width of a drawn wheel over its radius."""
+BESIDE = 0.3  # m beyond an edge, of its name
 DOTS = 120
 """Dots of a drawn path at most."""
 
@@ -78,7 +79,8 @@ def step_shapes(step: StepTable, length: float) -> list[Shape]:
     middle = step_corners(edge, length).mean(axis=0)
     T = pose((float(middle[0]), float(middle[1]), -0.0025))
     T[:3, :3] = Rotation.from_euler("z", step.rise).as_matrix()
-    beside = pose((float(middle[0]), float(middle[1]), 4e-4))
+    c, s = math.cos(step.rise), math.sin(step.rise)
+    beside = pose((float(middle[0]) + BESIDE * c, float(middle[1]) + BESIDE * s, 4e-4))
     return [Box("world", T, (EDGE, length, 0.004), "#8b7355"), Label("world", beside, step_name(edge), 0.06, "#6b5637")]
 
 
