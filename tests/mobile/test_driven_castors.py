@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
@@ -14,10 +15,14 @@ from holonom.mobile import (
     WheelBase,
     castor_twist,
     degrees_of_freedom,
+    drive_limits,
     is_holonomic,
     mobility,
+    speed_profile,
     wheel_rates,
 )
+from holonom.mobile.drive.sized import sized_base_drive
+from holonom.mobile.urdf import base_urdf, load_base
 
 Vector = NDArray[np.float64]
 
@@ -31,6 +36,12 @@ def castors(rng: np.random.Generator, count: int = 3) -> WheelBase:
             for x, y, turn in places
         ]
     )  # fmt: skip
+
+
+def loaded(base: WheelBase) -> WheelBase:
+    """With a mass amid its wheels, which are alike."""
+    alike = [dataclasses.replace(wheel, radius=0.05) for wheel in base.wheels]
+    return WheelBase(alike, mass=5.0, com=np.mean([(w.x, w.y) for w in base.wheels], axis=0).tolist())
 
 
 @pytest.mark.parametrize("count", [2, 3, 4])
@@ -100,6 +111,28 @@ def test_rates_are_derivatives_of_angles_and_speeds() -> None:
     later = base.wheel_speeds(twist + h * along, h * found.steering_rates)
     sooner = base.wheel_speeds(twist - h * along, -h * found.steering_rates)
     assert found.accelerations == pytest.approx((later - sooner) / (2.0 * h), rel=1e-5, abs=1e-5)
+
+
+@pytest.mark.parametrize("driven", [True, False])
+def test_a_file_gives_them_back_whichever_way_they_trail(driven: bool) -> None:
+    wheels = [
+        Wheel.at("castor", x, y, 1.0, radius=0.05, castor_offset=d, driven=driven, name=f"c{k}")
+        for k, (x, y, d) in enumerate(((0.2, 0.0, 0.05), (-0.1, 0.2, -0.05), (-0.1, -0.2, 0.03)))
+    ]
+    base = WheelBase([*wheels, Wheel.at("swedish", 0.0, 0.0, radius=0.05, driven=True, name="middle")])
+    again = load_base(base_urdf(base))
+    twist = [0.3, -0.2, 0.5]
+    assert again.driven == base.driven
+    for one, other in zip(again.castor_rates(twist), base.castor_rates(twist), strict=True):
+        assert np.asarray(one).tolist() == pytest.approx(np.asarray(other).tolist())
+
+
+def test_a_profile_of_speed_is_refused() -> None:
+    base = loaded(castors(np.random.default_rng(12)))
+    drive = sized_base_drive(base, 1.0, 1.0)
+    way, limits = np.linspace(0.0, 1.0, 11), drive_limits(base, drive.motor, drive.gear, 0.8)
+    with pytest.raises(InputError, match="driven castors"):
+        speed_profile(base, way, 0.0 * way, limits)
 
 
 def test_what_does_not_determine_the_twist_is_refused() -> None:
