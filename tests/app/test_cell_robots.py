@@ -187,7 +187,9 @@ def test_levels_that_are_slow_slow_the_law_down_and_say_so(tmp_path: Path) -> No
 def test_the_deck_covers_the_wheels_and_the_frame_on_it(kind: str, tmp_path: Path) -> None:
     job = built(write(tmp_path, base_text(kind)))
     base = job.bases[0]
-    deck = max((s for s in job.scene.shapes if s.frame == "base_link" and hasattr(s, "end")), key=lambda s: s.end[2])
+    deck = max(
+        (s for s in job.scene.shapes if s.frame in ("base_link", "body") and hasattr(s, "end")), key=lambda s: s.end[2]
+    )
     middle = np.array(deck.end[:2])
     assert base.frames["top"][2, 3] == pytest.approx(deck.end[2])
     assert np.linalg.norm(middle) < deck.radius
