@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +16,7 @@ from holonom.devices import SteeringMotor
 from holonom.machine import BaseController, BaseSettings, Creep
 from holonom.mobile import Wheel, WheelBase
 from holonom.mobile.drive.sized import sized_base_drive
-from holonom.sim import BasePlant, Floor
+from holonom.sim import BaseFault, BasePlant, Floor
 
 
 def castors(offset: float = 0.05, count: int = 3) -> WheelBase:
@@ -29,12 +30,14 @@ def castors(offset: float = 0.05, count: int = 3) -> WheelBase:
     )  # fmt: skip
 
 
-def make(base: WheelBase, *, ideal: bool = False, steering: SteeringMotor | None = None) -> BaseLoop:
+def make(
+    base: WheelBase, *, ideal: bool = False, steering: SteeringMotor | None = None, faults: Sequence[BaseFault] = ()
+) -> BaseLoop:
     floor, drive = Floor(), sized_base_drive(base, 2.0, 2.0)
     drive = drive if steering is None else replace(drive, steering=steering)
     settings = BaseSettings().without_motors() if ideal else BaseSettings()
     controller = BaseController(base, drive, settings, creep=Creep(floor.material.creep, floor.material.peak))
-    loop = BaseLoop(controller, BasePlant(base, drive, floor, rng=np.random.default_rng(1), ideal=ideal))
+    loop = BaseLoop(controller, BasePlant(base, drive, floor, rng=np.random.default_rng(1), ideal=ideal, faults=faults))
     loop.place((0.0, 0.0, 0.0))
     return loop
 
@@ -66,6 +69,25 @@ def test_an_eight_at_a_metre_per_second(offset: float, count: int) -> None:
     assert math.sqrt((error[:, :2] ** 2).sum(axis=1).mean()) < 0.02
     assert np.abs(error[:, 2]).max() < 0.02
     assert np.hypot(*(loop.controller.pose - loop.plant.pose)[:2]) < 0.02  # rims and swinging rates: honest odometry
+
+
+@pytest.mark.parametrize("kind", ["dead", "blocked"])
+def test_a_wheels_motor_that_breaks(kind: str) -> None:
+    """The others drive on without a dead one, and all stop for one that is jammed."""
+    base = castors()
+    path, loop = course("eight", base), make(base, faults=[BaseFault(3.0, "wheel 1", kind)])
+    assert path is not None
+    loop.controller.follow_path(np.hstack([path.pose, path.twist, path.acceleration]))
+    away = 0.0
+    for k in range(99, 9000, 100):
+        loop.advance(100)
+        away = max(away, float(np.hypot(*(loop.plant.pose - path.pose[k + 1])[:2])))
+    assert loop.controller.state["dead"][0] == 1
+    if kind == "dead":
+        assert away < 0.02
+    else:
+        assert np.abs(loop.plant.twist).max() < 0.01
+    assert np.hypot(*(loop.controller.pose - loop.plant.pose)[:2]) < 0.03
 
 
 def test_sideways_back_and_on_the_spot() -> None:
