@@ -21,6 +21,8 @@ __all__ = ["SECTION"]
 
 STILL = 0.02
 """m/s and rad/s below which a base stands."""
+NOTHING = 1e-6
+"""Of what is unexplained or found, below which there is nothing to draw."""
 SHARPEST = 10.0
 """1/m, of a curve that is drawn: turning on the spot has no bound."""
 
@@ -38,7 +40,12 @@ def _curves(robot: RobotSource) -> list[Curve]:
     key = f"{robot.name}:" if robot.name else ""
     unknown = [f"{key}force", f"{key}current"] if robot.facts.ideal else []
     curves = [curve for curve in _of_base(robot, key) if curve.key not in unknown]
-    return [curve for curve in curves if len(curve.time) and curve.values.size]
+    silent = (f"{key}residual", f"{key}status")
+    return [
+        curve
+        for curve in curves
+        if len(curve.time) and curve.values.size and (curve.key not in silent or np.abs(curve.values).max() > NOTHING)
+    ]
 
 
 def _of_base(robot: RobotSource, key: str) -> list[Curve]:
