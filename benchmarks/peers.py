@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from holonom.mechanics import Arm
+from holonom.mobile import BaseDrive, WheelBase
 from holonom.model import ArmModel
 
-__all__ = ["eaik_robot", "peer", "pinocchio_model"]
+__all__ = ["eaik_robot", "mujoco_base", "peer", "pinocchio_model"]
 
 
 def peer(module: str) -> Any:
@@ -39,6 +40,40 @@ def pinocchio_model(pin: Any, arm: Arm) -> Any:
             model.armature[k] = joint.motor.gear_ratio**2 * joint.motor.rotor_inertia
     model.addFrame(pin.Frame("tool", parent, 0, placement * pin.SE3(np.array(arm.model.tool)), pin.FrameType.OP_FRAME))
     return model
+
+
+def mujoco_base(base: WheelBase, drive: BaseDrive, friction: float, dt: float) -> str:
+    """A base on fixed wheels and passive balls as MJCF, steps of dt, s: same mass, motors and contacts.
+
+    The motors' windings follow at once; a wheel touches the floor in a point, as a sphere that turns about its axle;
+    what it weighs is in the body, its inertia with the geared rotor in the joint.
+    """
+    motor, N = drive.motor, drive.gear.ratio
+    gain = N * motor.torque_constant / motor.resistance
+    r, (cx, cy) = float(base.wheel_radii[0]), base.com.tolist()
+    inertia = " ".join(f"{v:.17g}" for v in np.diag(base.inertia))
+    wheels, actuators = "", ""
+    for k, wheel in enumerate(base.wheels):
+        if not wheel.driven:
+            wheels += (
+                f'<geom type="sphere" size="{wheel.radius}" pos="{wheel.x} {wheel.y} {wheel.radius - r}" condim="1" '
+                'priority="1" mass="0"/>'
+            )
+            continue
+        wheels += (
+            f'<body pos="{wheel.x} {wheel.y} 0"><joint name="wheel{k}" axis="0 1 0" armature="{drive.inertia}"/>'
+            f'<inertial pos="0 0 0" mass="1e-4" diaginertia="1e-8 1e-8 1e-8"/><geom type="sphere" size="{r}"/></body>'
+        )
+        actuators += (
+            f'<general joint="wheel{k}" gainprm="{gain}" biastype="affine" '
+            f'biasprm="0 0 {-gain * N * motor.back_emf_constant}"/>'
+        )
+    return (
+        f'<mujoco><option timestep="{dt}" integrator="implicitfast" cone="elliptic" impratio="100"/><worldbody>'
+        f'<geom type="plane" size="50 50 1" friction="{friction}"/><body pos="0 0 {r}"><freejoint/>'
+        f'<inertial pos="{cx} {cy} {base.com_height - r}" mass="{base.mass}" diaginertia="{inertia}"/>{wheels}</body>'
+        f"</worldbody><actuator>{actuators}</actuator></mujoco>"
+    )
 
 
 def eaik_robot(eaik: Any, model: ArmModel) -> tuple[Any, Any]:

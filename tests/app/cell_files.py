@@ -38,7 +38,8 @@ def drawn(job: Job) -> None:
         known |= {Scope(arm.name, ()).frame(name) for name in names}
     for base in job.bases:
         known |= {Scope(base.name, ()).frame(name) for name in ("base_link", *wheel_frames(base.base))}
-        castors = [wheel for wheel in base.base.wheels if wheel.kind == "castor"]
+        known |= {Scope(base.name, ()).frame("body")} if base.base.balances else set()
+        castors = [wheel for wheel in base.base.wheels if wheel.kind == "castor" and not wheel.driven]
         known |= {Scope(base.name, ()).frame(f"castor_{k + 1}") for k in range(len(castors))}  # the report makes them
     assert set(job.scene.frames()) <= known
     assert {view.follow for view in job.scene.views} <= {*known, None}

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 
+import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from holonom.app.console.cli import main
+from holonom.app.recording import read_recording
 
 HEAD = """[cell]
 name = "balance"
@@ -99,3 +103,20 @@ def test_an_edge_too_high_stops_it(tmp_path: Path) -> None:
     status, numbers = run(tmp_path, AHEAD + '[floor]\nsteps = [{ position = ["1m", "0m"], height = "0.2m" }]\n', head)
     assert status == 1
     assert "path" in str(numbers["failure"])
+
+
+def test_its_pitch_is_recorded_and_its_body_leans_with_it(tmp_path: Path) -> None:
+    """The body's frame is base_link's, turned by the true pitch about the axle."""
+    run(tmp_path, 'velocity = [{ at = "0s", vx = "0.4m/s" }, { at = "1.5s" }]\n')
+    recording = read_recording(next(tmp_path.rglob("recording.mcap")))
+    true, seen = (recording.tracks[f"/{kind}/pitch"] for kind in ("truth", "estimated"))
+    pitch, believed = true.fields["angle"][:, 0], seen.fields["seen"][:, 0]
+    assert np.abs(pitch).max() > math.radians(1.0)
+    assert np.abs(pitch - believed).max() < math.radians(0.5)
+    base, body = recording.frames["base_link"], recording.frames["body"]
+    height = 0.1  # of the axle
+    leaning = Rotation.from_quat(base.quaternion).inv() * Rotation.from_quat(body.quaternion)
+    at = np.searchsorted(true.time, body.time).clip(0, len(pitch) - 1)
+    assert leaning.as_rotvec() == pytest.approx(np.outer(pitch[at], [0.0, 1.0, 0.0]), abs=1e-6)
+    axle = body.position + Rotation.from_quat(body.quaternion).apply([0.0, 0.0, height])
+    assert axle == pytest.approx(base.position + np.array([0.0, 0.0, height]), abs=1e-6)

@@ -12,7 +12,8 @@ from holonom import load_arm
 from holonom.app.cell import load_cell
 from holonom.app.cell.build.job import refuse_unsimulated
 from holonom.app.cell.check import check_cell
-from holonom.app.rig.wheel_frames import wheel_frames
+from holonom.app.report.attachments import cell_facts
+from holonom.app.rig.wheel_frames import wheel_frames, wheel_poses
 from holonom.errors import CellError
 from holonom.mechanics import Arm
 from holonom.mobile.methods import ARRANGEMENTS
@@ -187,7 +188,9 @@ def test_levels_that_are_slow_slow_the_law_down_and_say_so(tmp_path: Path) -> No
 def test_the_deck_covers_the_wheels_and_the_frame_on_it(kind: str, tmp_path: Path) -> None:
     job = built(write(tmp_path, base_text(kind)))
     base = job.bases[0]
-    deck = max((s for s in job.scene.shapes if s.frame == "base_link" and hasattr(s, "end")), key=lambda s: s.end[2])
+    deck = max(
+        (s for s in job.scene.shapes if s.frame in ("base_link", "body") and hasattr(s, "end")), key=lambda s: s.end[2]
+    )
     middle = np.array(deck.end[:2])
     assert base.frames["top"][2, 3] == pytest.approx(deck.end[2])
     assert np.linalg.norm(middle) < deck.radius
@@ -227,3 +230,35 @@ def test_a_path_from_pose_to_pose_is_planned_along_its_tangent(shape: str, tmp_p
 def test_a_path_from_pose_to_pose_that_is_none_is_refused(shape: str, keys: str, message: str, tmp_path: Path) -> None:
     with pytest.raises(CellError, match=message):
         built(write(tmp_path, pose_path(shape, keys)))
+
+
+def test_driven_castors_are_built_and_drawn_where_they_touch_the_floor(tmp_path: Path) -> None:
+    """Without `[steering]` their motors swing them fast enough for the base's speed."""
+    wheels = ", ".join(
+        f'{{ kind = "castor", x = "{x}m", y = "{y}m", heading = "180deg", radius = "50mm", castor_offset = "40mm", '
+        "driven = true }"
+        for x, y in ((0.2, 0.0), (-0.1, 0.17), (-0.1, -0.17))
+    )
+    limits = '[robot.limits]\nspeed = "1m/s"\nacceleration = "1m/s2"\n'
+    job = built(write(tmp_path, f'{ABOUT}[[robot]]\nmass = "8kg"\nwheels = [{wheels}]\n{limits}'))
+    drawn(job)
+    base = job.bases[0]
+    assert base.drive.steering.max_rate > 1.0 / 0.04
+    turned = np.array([0.5, -1.0, 2.0])
+    frames = wheel_poses(base.base, np.eye(4), np.zeros(3), turned)
+    for wheel, angle, T in zip(base.base.wheels, turned, frames, strict=True):
+        heading = wheel.heading + angle
+        expected = [wheel.x + 0.04 * np.cos(heading), wheel.y + 0.04 * np.sin(heading), 0.05]
+        assert T[:3, 3] == pytest.approx(expected)
+
+
+def test_steps_of_the_floor_are_drawn(tmp_path: Path) -> None:
+    step = '[[floor.steps]]\nposition = ["2m", "1m"]\nheight = "15mm"\nrise = "90deg"\n'
+    job = built(write(tmp_path, base_text("differential") + step))
+    (found,) = cell_facts(job).steps
+    corners = np.array(found.corners)
+    assert found.name == "step, 15 mm"
+    assert corners[:, 1].min() == pytest.approx(1.0)  # it begins at the edge, across the way
+    assert np.ptp(corners[:, 0]) > 2.0 * max(abs(w.y) for w in job.bases[0].base.wheels)
+    assert corners[:, 0].mean() == pytest.approx(2.0)
+    assert any(getattr(shape, "text", "") == found.name for shape in job.scene.shapes)

@@ -109,7 +109,6 @@ def test_polar_and_cartesian_are_the_same_wheel(wheel):
         ({"heading": math.nan}, "heading = nan"),
         ({"kind": "swedish", "roller_angle": math.pi / 2}, "90 deg"),
         ({"kind": "castor"}, "castor_offset 0"),
-        ({"kind": "castor", "castor_offset": 0.1, "driven": True}, "castor and driven"),
         ({"roller_angle": 0.3}, "only swedish wheels"),
         ({"castor_offset": 0.3}, "only castor wheels"),
         ({"max_steering": 0.3}, "only steered wheels"),

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import fsolve
 
 from holonom.devices import DcMotor, Encoder, Gear, SteeringMotor
-from holonom.mobile import BaseDrive, WheelBase, ackermann, bicycle, differential, skid_steer, swerve, tricycle
+from holonom.mobile import BaseDrive, Wheel, WheelBase, ackermann, bicycle, differential, skid_steer, swerve, tricycle
 from holonom.sim import BasePlant, Floor
 
 R, L, K, RATIO, SPIN, SUPPLY = 1.2, 0.56e-3, 0.0255, 12.0, 1e-4, 14.8
@@ -43,7 +43,7 @@ class Tyre:
 
 
 def tyres(base: WheelBase) -> list[Tyre]:
-    return [Tyre(w.x, w.y, w.heading, w.radius, w.driven, w.kind == "steered", w.castor_offset) for w in base.wheels]
+    return [Tyre(w.x, w.y, w.heading, w.radius, w.driven, w.steers, w.castor_offset) for w in base.wheels]
 
 
 def weights(base: WheelBase) -> Vector:
@@ -61,9 +61,10 @@ def solved(base: WheelBase, volts: Vector, angles: Vector, seconds: float = 1.0)
     usual = np.mean([w.radius for w in wheels if w.driven])
     spins = [SPIN + RATIO**2 * MOTOR.rotor_inertia if w.driven else SPIN * (w.radius / usual) ** 4 for w in wheels]
     pivots = []
-    for wheel, spin in zip(wheels, spins, strict=True):
-        mass = 2.0 * spin / wheel.radius**2
-        pivots.append(STEERING.inertia if wheel.steered else 0.5 * spin + mass * wheel.trail**2)
+    for wheel in wheels:
+        disc = SPIN * (wheel.radius / usual) ** 4
+        about = 0.5 * disc + 2.0 * disc / wheel.radius**2 * wheel.trail**2 if wheel.trail else 0.0
+        pivots.append(about + (STEERING.inertia if wheel.steered else 0.0))
     stiffness, damping = STEERING.inertia * (80.0 * math.pi) ** 2, 1.4 * 80.0 * math.pi * STEERING.inertia
 
     def rates(t: float, z: Vector) -> Vector:
@@ -109,6 +110,14 @@ def solved(base: WheelBase, volts: Vector, angles: Vector, seconds: float = 1.0)
     return np.array([x - c * base.com[0] + s * base.com[1], y - s * base.com[0] - c * base.com[1], theta])
 
 
+CASTORS = WheelBase(
+    [
+        Wheel.at("castor", x, y, turn, radius=0.05, castor_offset=0.04, driven=True)
+        for x, y, turn in ((0.25, 0.0, 0.3), (-0.12, 0.2, -2.0), (-0.12, -0.2, 1.0))
+    ],
+    mass=MASS, com=(0.02, -0.01),
+)  # fmt: skip
+"""Driven castors on all three corners: nothing holds it sideways."""
 SWERVE = swerve(wheelbase=0.4, track=0.3, wheel_radius=0.05, mass=MASS)
 CASES = {
     "differential with castor": (differential(0.3, 0.05, mass=MASS, com=(-0.06, 0.01)), [5.0, 3.0, 0.0], [0.0] * 3),
@@ -121,6 +130,7 @@ CASES = {
         [5.0, 6.0, 5.0, 6.0],
         [0.6, 0.5, -0.1, 0.1],
     ),
+    "driven castors": (CASTORS, [4.0, -3.0, 3.0], [0.5, 0.9, -0.7]),
     "skid steer": (skid_steer(0.3, 0.3, 0.05, mass=MASS, com=(0.03, 0.0)), [-4.0, 6.0, -4.0, 6.0], [0.0] * 4),
 }
 
@@ -174,6 +184,30 @@ def test_a_steered_base_that_stands_does_not_move_while_its_wheels_turn() -> Non
         plant.drive_open(np.zeros((1000, 4)))
         assert plant.states["turned"].ravel() == pytest.approx(plant.signals.steering, abs=1e-3)
     assert np.abs(plant.pose).max() < 1e-4
+
+
+def test_driven_castors_that_nobody_drives_stand_still() -> None:
+    plant = BasePlant(CASTORS, DRIVE, Floor())
+    plant.drive_open(np.zeros((1000, 3)))
+    assert np.abs(plant.pose).max() < 1e-12
+    assert plant.kinetic_energy() < 1e-20
+
+
+def test_castors_that_swing_alike_carry_the_base_across_them() -> None:
+    """Wheels that hardly roll: contacts stand, and each pivot moves across its castor, by lever times rate."""
+    plant = BasePlant(CASTORS, DRIVE, Floor())
+    headings = np.array([wheel.heading for wheel in CASTORS.wheels])
+    plant.signals.steering[:3] = -headings  # all look ahead
+    plant.drive_open(np.zeros((4000, 3)))
+    start = plant.pose
+    for k in range(100):
+        plant.signals.steering[:3] = -headings + 0.001 * k
+        plant.drive_open(np.zeros((10, 3)))
+    plant.drive_open(np.zeros((300, 3)))
+    c, s = np.cos(start[2]), np.sin(start[2])
+    moved = np.array([[c, s], [-s, c]]) @ (plant.pose - start)[:2]
+    assert moved == pytest.approx([0.0, -0.04 * 0.099], abs=4e-4)
+    assert abs(plant.pose[2] - start[2]) < 2e-3
 
 
 def test_what_fills_up_a_four_of_wheels_does_nothing() -> None:

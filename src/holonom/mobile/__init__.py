@@ -6,7 +6,7 @@ Wheels and bases
     `Wheel`, `WheelBase`; arrangements by name: `differential`, `tricycle`, `bicycle`, `ackermann`, `dual_ackermann`,
     `skid_steer`, `rocker6`, `segway`, `synchro`, `omni`, `mecanum`, `swerve`, `sphere`; `mobility`,
     `degrees_of_freedom`, `is_holonomic`, `conflicting_wheels`; `centre_of_twist`, `centre_of_axles`,
-    `castor_rates`; `wheel_rates` (second order).
+    `castor_rates`, `castor_twist`; `wheel_rates` (second order).
     `load_base` reads wheels from a URDF or xacro file, `base_urdf` writes one.
 Standing and tipping over
     `support_polygon`, `static_margin`, `zero_moment_point`, `dynamic_margin`, `acceleration_limit`, `lateral_limit`,
@@ -45,7 +45,7 @@ from holonom.mobile.arrangements import (
     synchro,
     tricycle,
 )
-from holonom.mobile.base.castors import CastorRates, castor_rates
+from holonom.mobile.base.castors import CastorRates, castor_rates, castor_twist
 from holonom.mobile.base.centre import Centre, axle_miss, centre_of_axles, centre_of_twist
 from holonom.mobile.base.mobility import (
     Mobility,
@@ -144,6 +144,7 @@ __all__ = [
     "base_twist",
     "bicycle",
     "castor_rates",
+    "castor_twist",
     "centre_of_axles",
     "centre_of_twist",
     "conflicting_wheels",

@@ -140,7 +140,8 @@ def _from_rest(run: Run) -> Run:
     still = np.zeros_like(run.turns[:1])
     earlier = 2.0 * run.time[:1] - run.time[1:2]
     parts = ([earlier, run.time], [still, run.turns], [run.truth[:1], run.truth], [run.steering[:1], run.steering])
-    return Run(run.name, *(np.concatenate(part) for part in parts))
+    time, turns, truth, steering = (np.concatenate(part) for part in parts)
+    return Run(run.name, time, turns, truth, steering)
 
 
 def _channel(writer: Writer, topic: str, kind: str) -> int:

@@ -84,7 +84,7 @@ def _steering(path: Path, recording: Recording, base: WheelBase | None, time: Ar
     if base is None or not base.steered:
         return np.empty((len(time), 0))
     framed = [i for i, w in enumerate(base.wheels) if w.kind not in ("ball", "spherical")
-              and (w.driven or w.kind == "steered")]  # fmt: skip
+              and (w.driven or w.steers)]  # fmt: skip
     framed.sort(key=lambda i: not base.wheels[i].driven)
     columns = []
     for members in base.layout.groups:

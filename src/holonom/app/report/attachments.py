@@ -25,14 +25,17 @@ from holonom.app.report.findings.facts import (
 from holonom.arrays import Array
 from holonom.geometry import Box, Cylinder, hull, outline
 from holonom.mechanics import Arm
-from holonom.sim import Floor, RectangularPatch, RoundPatch
+from holonom.sim import Floor, RectangularPatch, RoundPatch, Step
 
 if TYPE_CHECKING:
     from holonom.app.job import ArmJob, BaseJob, Job, Obstacle
 
-__all__ = ["attachments_of", "cell_facts", "obstacle_corners", "patch_corners"]
+__all__ = [
+    "attachments_of", "cell_facts", "edge_of", "obstacle_corners", "patch_corners", "step_corners", "step_name",
+]  # fmt: skip
 
 PROGRAM = "program.arps"
+EDGE = 0.03  # m, of the floor beyond an edge, that is drawn
 
 
 def attachments_of(
@@ -80,6 +83,7 @@ def cell_facts(job: Job, controller: int = -1, *, rated: Sequence[Arm] = (), pat
         fields=tuple(fields),
         parts=tuple(PartFacts(part.name, part.thickness) for part in job.parts),
         obstacles=tuple(PatchFacts(one.name, _rows(obstacle_corners(one))) for one in job.obstacles),
+        steps=tuple(PatchFacts(step_name(s), _rows(step_corners(s, edge_of(job.bases)))) for s in job.floor.steps),
     )
 
 
@@ -90,6 +94,23 @@ def patch_corners(patch: RectangularPatch | RoundPatch) -> Array:
     half = outline(Box((patch.length, patch.width, 0.0)))
     c, s = math.cos(patch.angle), math.sin(patch.angle)
     return np.array(patch.centre) + half @ np.array([[c, s], [-s, c]])
+
+
+def step_corners(step: Step, length: float) -> Array:
+    """Corners (4, 2) in the world of the floor just beyond an edge, as long as is drawn of it, m."""
+    c, s = math.cos(step.rise), math.sin(step.rise)
+    half = np.array([[0.0, -0.5], [1.0, -0.5], [1.0, 0.5], [0.0, 0.5]]) * [EDGE, length]
+    return np.array(step.position) + half @ np.array([[c, s], [-s, c]])
+
+
+def step_name(step: Step) -> str:
+    """What an edge is called in figures."""
+    return f"step, {1e3 * step.height:.3g} mm"
+
+
+def edge_of(bases: Sequence[BaseJob]) -> float:
+    """How long an edge is drawn, m: wider than the bases."""
+    return 4.0 * max((base.base.radius for base in bases), default=0.25)
 
 
 def obstacle_corners(obstacle: Obstacle) -> Array:

@@ -27,6 +27,7 @@ from holonom.signals import (
     JointCommand,
     JointState,
     JointTruth,
+    Pitch,
     Signal,
     Sink,
     Steering,
@@ -66,12 +67,15 @@ class BaseRecords:
         framed = framed_wheels(job.base)
         self._lanes = np.array([lane for lane, _ in framed], dtype=int)
         self._driven = np.array([wheel.driven for _, wheel in framed], dtype=bool)
-        self._steered = np.array([wheel.kind == "steered" for _, wheel in framed], dtype=bool)
+        self._steered = np.array([wheel.steers for _, wheel in framed], dtype=bool)
         names = [wheel.name for _, wheel in framed]
         self._groups = [names.index(job.base.wheels[group[0]].name) for group in job.base.layout.groups]
         self._standing = 0 if job.drives == "ideal" else len(standing_wheels(job.base))
         self._step = 2.0 * np.pi / job.drive.steering.counts_per_turn
-        tree = ("map", "odom", *("base_link" for _ in self._frames)), ("odom", "base_link", *self._frames)
+        self._bodies = ("body",) if job.base.balances else ()
+        self._axle = float(job.base.wheel_radii.max())
+        moving = (*self._frames, *self._bodies)
+        tree = ("map", "odom", *("base_link" for _ in moving)), ("odom", "base_link", *moving)
         self._tree = tree
         self._signals: dict[int, bool] = {}
         self._motor = 2.0 * np.pi / job.drive.encoder.counts_per_rev / job.drive.gear.ratio
@@ -99,6 +103,12 @@ class BaseRecords:
         counted[:, self._driven] = angle[at][:, self._lanes[self._driven]]
         seen_steering = self._step * (np.floor(steered / self._step) + 0.5) if self._job.base.steered else steered
         believed, seen_wheels = _poses(seen[at]), wheel_poses(self._job.base, np.eye(4), counted, seen_steering)
+        pitch, seen_pitch = true.pitch[at], control["seen_pitch"][at]
+        if self._bodies:
+            wheels, seen_wheels = (
+                np.concatenate([known, _leaning(lean, self._axle)[:, None]], axis=1)
+                for known, lean in ((wheels, pitch), (seen_wheels, seen_pitch))
+            )
         asked, commanded = (
             columns(control, "ref_x", "ref_y", "ref_theta"),
             columns(control, "ref_vx", "ref_vy", "ref_w"),
@@ -121,11 +131,17 @@ class BaseRecords:
             put(BaseTruth(t, true.pose[k], true.twist[k]))
             put(Inertial(t, float(control["gyro"][k]), push[k]))
             put(WheelContact(t, true.forces[k], true.slip[k], residual[i]))
-            if self._standing:
+            if self._standing and loads[i].any():  # before its first step nothing is weighed
                 put(WheelLoad(t, loads[i]))
             if self._steered.any():
                 put(Steering(t, seen_steering[i, self._steered], asked_of[i, self._steered]))
-            put(FramePoses(t, ("base_link", *self._frames), np.concatenate([T[i, None], T[i] @ wheels[i]])))
+            if self._bodies:
+                put(Pitch(t, pitch[i, None], seen_pitch[i, None]))
+            put(
+                FramePoses(
+                    t, ("base_link", *self._frames, *self._bodies), np.concatenate([T[i, None], T[i] @ wheels[i]])
+                )
+            )
             put(FrameTree(t, *self._tree, np.concatenate([np.eye(4)[None], believed[i, None], seen_wheels[i]])))
 
     def _unexplained(self, speeds: Array, steering: Array) -> Array:
@@ -154,6 +170,16 @@ class BaseRecords:
             if self._signals.get(number) != on:
                 self._signals[number] = on
                 self._sink.put(Signal(t, number, on))
+
+
+def _leaning(pitch: Array, axle: float) -> Array:
+    """T (N, 4, 4) in base_link of a body that leans by pitch (N,) forwards about an axle at a height, m."""
+    T = np.tile(np.eye(4), (len(pitch), 1, 1))
+    T[:, 0, 0] = T[:, 2, 2] = np.cos(pitch)
+    T[:, 0, 2] = np.sin(pitch)
+    T[:, 2, 0] = -T[:, 0, 2]
+    T[:, 0, 3], T[:, 2, 3] = -axle * T[:, 0, 2], axle * (1.0 - T[:, 2, 2])
+    return T
 
 
 def _poses(poses: Array) -> Array:

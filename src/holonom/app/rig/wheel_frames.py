@@ -43,4 +43,7 @@ def wheel_poses(base: WheelBase, T_base: Array, angles: Array, turned: Array) ->
     T[..., 1, 0], T[..., 1, 1], T[..., 1, 2] = s * rolled, c, s * lifted
     T[..., 2, 0], T[..., 2, 2], T[..., 3, 3] = -lifted, rolled, 1.0
     T[..., :3, 3] = np.array([(wheel.x, wheel.y, wheel.radius) for wheel in wheels]).reshape(-1, 3)
+    swung = np.array([wheel.castor_offset for wheel in wheels])  # driven castors touch the floor beside their pivots
+    T[..., 0, 3] += swung * c
+    T[..., 1, 3] += swung * s
     return np.asarray(T_base)[..., None, :, :] @ T

@@ -16,7 +16,7 @@ from holonom.devices.drive_signals import WheelSignals
 from holonom.errors import ShapeError
 from holonom.machine.base.balancing import leaning_path, pendulum_of
 from holonom.machine.base.kernels import HOLD, PATH, RUNNING, VELOCITY, control_step
-from holonom.machine.base.known import TICK, base_params, known_wheel, max_rim_speed, wheel_loop
+from holonom.machine.base.known import TICK, base_params, held_rows, known_wheel, max_rim_speed, wheel_loop
 from holonom.machine.base.laws import fitted_law
 from holonom.machine.base.params import BaseTask, Work
 from holonom.machine.base.records import CONTROL_STATE, KNOWN_WHEEL, SEEN_WHEEL
@@ -83,13 +83,14 @@ class BaseController:
         seen = np.zeros(len(driven), SEEN_WHEEL)
         seen["works"] = seen["cut"] = 1.0
         self.states = side_by_side(seen, works=0.0)
-        estimate_rows = np.ascontiguousarray(np.vstack([rows, base.sliding_matrix()]))
+        estimate_rows = np.ascontiguousarray(np.vstack([rows, held_rows(base)]))
         lanes, trusted = WIDTH * len(self.states), len(estimate_rows)
         self.work = Work(
             rows, estimate_rows,
             np.ones(trusted), self.params.bearing.copy(), np.zeros((len(driven), 3)), np.zeros(max(lanes, trusted)),
             np.zeros(lanes), np.zeros(lanes), np.full(3, np.nan), np.zeros(9),
-            np.zeros(len(base.wheels)), np.zeros((len(base.wheels), 2)), np.zeros(3),
+            np.zeros(len(base.wheels)), np.zeros((len(base.wheels), 2)), np.zeros(3), np.zeros(len(base.wheels)),
+            np.zeros(trusted),
         )  # fmt: skip
         self.task = BaseTask(NO_PATH, NO_LEAN)
         self._planner: LinearMpc | None = None
@@ -129,7 +130,8 @@ class BaseController:
         states["count"].flat[:] = (signals.counters + 0x8000) % 0x10000 - 0x8000
         states["seen_angle"] = states["counted"] = (states["count"] + 0.5) * self.wheels["encoder"]["resolution"]
         if self.params.steered is not None:
-            look_at_wheels(self.params.steered, signals, self.work.rows, self.work.estimate_rows, self.wheels)
+            self.work.swung[:], self.work.steering_rates[:] = signals.turned[: len(self.work.swung)], 0.0
+            look_at_wheels(self.params.steered, signals, self.work, self.wheels)
         speeds = self.work.rows @ twist / self.radii
         states["seen_speed"].flat[: len(speeds)] = ratio.flat[: len(speeds)] * speeds
         self.hold()

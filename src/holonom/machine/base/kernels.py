@@ -167,6 +167,7 @@ def say(base: Any, wheels: Records, states: Records, row: Any, rows: Array) -> N
     row.status, row.flagged, row.dead, row.jams = base.status, base.flagged, base.dead, base.jams
     row.blind, row.loose, row.lodged = base.blind, base.loose, base.lodged
     row.pinned, row.crippled = base.pinned, base.crippled
+    row.seen_pitch = base.seen_pitch
     for i in range(len(wheels)):
         wheel, own = packed(wheels[i]), packed(states[i])
         store(rows[0], i, own.seen_speed / wheel.gear.ratio)
@@ -188,7 +189,7 @@ def _sense(params: BaseParams, base: Any, signals: WheelSignals, wheels: Records
     m = len(work.rows)
     for i in range(m, len(work.estimate_rows)):  # wheels that do not slide still creep outwards
         p, q = work.estimate_rows[i, 0], work.estimate_rows[i, 1]
-        work.rims[i] = -params.creep_across * (p * base.imu_x + q * base.imu_y)
+        work.rims[i] = work.swinging[i - m] - params.creep_across * (p * base.imu_x + q * base.imu_y)
     if len(params.skid.wheels):
         _skid(params.skid, base, work)
 

@@ -31,9 +31,10 @@ from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive, base_mass, rest_
 from holonom.mobile.drive.coupling import coupling_at_rest
 from holonom.mobile.drive.slip import SlipSettings, detectable, slip_params
 from holonom.mobile.drive.slip_kernels import BOUND, SlipParams
+from holonom.mobile.equations.wheels import sliding_row, unit
 from holonom.trace.code.simd import WIDTH
 
-__all__ = ["TICK", "base_params", "known_wheel", "max_rim_speed", "wheel_loop"]
+__all__ = ["TICK", "base_params", "held_rows", "known_wheel", "max_rim_speed", "wheel_loop"]
 
 TICK = 1e-3
 """Sample time of all loops of a base, s."""
@@ -170,19 +171,38 @@ def _steered_params(base: WheelBase, drive: BaseDrive) -> SteeredParams:
     """Wheels of a base that steers; their lanes in the signals are those of `standing_wheels`."""
     standing = [wheel.name for wheel in standing_wheels(base)]
     slides = [k for k, wheel in enumerate(base.wheels) if wheel.name in base.sliding_names]
+    castors = [k for k, wheel in enumerate(base.wheels) if wheel.powered_castor]
     radius = base.turning_radius
     return SteeredParams(
         places=np.array([(*wheel.acting, wheel.heading) for wheel in base.wheels]),
         limits=np.array([math.inf if wheel.max_steering is None else wheel.max_steering for wheel in base.wheels]),
-        lanes=np.array([standing.index(w.name) if w.kind == "steered" else -1 for w in base.wheels], dtype=np.int64),
+        lanes=np.array([standing.index(w.name) if w.steers else -1 for w in base.wheels], dtype=np.int64),
         driven=np.array([k for k, wheel in enumerate(base.wheels) if wheel.driven], dtype=np.int64),
-        sliding=np.array(slides, dtype=np.int64),
+        sliding=np.array([*slides, *castors], dtype=np.int64),
+        levers=np.array([wheel.castor_offset if wheel.powered_castor else 0.0 for wheel in base.wheels]),
+        pull=_pivots_pull(base),
         curvature=1.0 / max(radius, 1e-9),
         reach=max(math.hypot(wheel.x, wheel.y) for wheel in base.wheels),
         turning=AxisShape(math.inf, drive.steering.max_rate, drive.steering.max_torque / drive.steering.inertia),
         dt=TICK,
         ahead=drive.steering.lag,
     )
+
+
+def held_rows(base: WheelBase) -> Array:
+    """(s, 3) rows, at rest, of directions in which wheels do not slide: sideways, and across driven castors."""
+    rows = [sliding_row(w.x, w.y, *unit(w.axle)) + np.array([0.0, 0.0, w.castor_offset]) for w in base.wheels
+            if w.powered_castor]  # fmt: skip
+    return np.vstack([base.sliding_matrix(), np.array(rows, dtype=float).reshape(-1, 3)])
+
+
+def _pivots_pull(base: WheelBase) -> Array:
+    """(G^T G)^-1 (3, 3) of the pivots' velocities per twist, where every driven wheel is a castor and several are."""
+    driven = [wheel for wheel in base.wheels if wheel.driven]
+    G = np.array([row for w in driven for row in ((1.0, 0.0, -w.y), (0.0, 1.0, w.x))])
+    if not all(wheel.powered_castor for wheel in driven) or np.linalg.matrix_rank(G) < 3:
+        return np.zeros((3, 3))
+    return np.ascontiguousarray(np.linalg.inv(G.T @ G))
 
 
 def _no_slip_params(count: int) -> SlipParams:

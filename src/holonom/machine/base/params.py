@@ -67,7 +67,7 @@ class BaseTask(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Arrays of the controller: `rows`, `trust`, `weights`, `share`, `last`, `steering_rates` are kept."""
+    """Arrays of the controller: `rows`, `trust`, `weights`, `share`, `last`, `steering_rates`, `swung` are kept."""
 
     rows: Array  # (m, 3) rim speeds per (vx, vy, w), as the wheels are steered
     estimate_rows: Array  # (m + k, 3) the same, and k directions in which no wheel lets the base move
@@ -82,3 +82,5 @@ class Work(NamedTuple):
     steering_rates: Array  # (n,) rad/s, of the angles that are asked for
     held: Array  # (n, 2) where each steered wheel stands though it should not, rad, and for how long, s
     pin: Array  # (3,) direction in which a stuck wheel does not slide
+    swung: Array  # (n,) rad, where driven castors are believed to stand
+    swinging: Array  # (k,) m/s across of the contacts of driven castors, as they swing; 0 of wheels that do not

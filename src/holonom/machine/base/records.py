@@ -170,7 +170,7 @@ CONTROL_SAMPLE = np.dtype(
         for name in (
             "seen_x", "seen_y", "seen_theta", "seen_vx", "seen_vy", "seen_w", "ref_x", "ref_y", "ref_theta", "ref_vx",
             "ref_vy", "ref_w", "ref_rate", "gyro", "imu_x", "imu_y", "status", "flagged", "dead", "jams", "blind",
-            "loose", "lodged", "pinned", "crippled",
+            "loose", "lodged", "pinned", "crippled", "seen_pitch",
         )
     ]
 )  # fmt: skip

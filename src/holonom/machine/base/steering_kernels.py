@@ -28,13 +28,19 @@ __all__ = [
     "rim_change",
     "set_off",
     "share_along",
+    "share_at_pivots",
     "steer",
     "steer_along",
+    "swing",
 ]
 
 STILL = 1e-3  # m/s of a contact, below which a wheel is not steered
 CRAWL = 0.03  # m/s of the reference, below which wheels are steered for it, not for its errors
+SEEN = (
+    0.1  # of what a castor's angle is off from how it was asked to swing, that is believed at once: counts are coarse
+)
 SET_OFF = 0.97  # readiness from which a base that stands drives on
+ON_THE_SPOT = 1e6  # 1/m
 VELOCITY, PATH = 1, 0
 Integers = NDArray[np.int64]
 Records = NDArray[np.void]
@@ -47,7 +53,9 @@ class SteeredParams(NamedTuple):
     limits: Array  # (n,) rad to either side; infinite: all around
     lanes: Integers  # (n,) where in the signals a steered wheel is; -1: it is not steered
     driven: Integers  # (m,) wheel of each driven row
-    sliding: Integers  # (s,) wheel of each direction without sliding
+    sliding: Integers  # (s,) wheel of each direction without sliding, then those of driven castors
+    levers: Array  # (n,) m from pivot to contact of a driven castor; 0: of others
+    pull: Array  # (3, 3) pivots' velocities squared, inverted, where all driven wheels are castors; zeros: they are not
     curvature: float  # 1/m of the tightest curve
     reach: float  # m to the farthest wheel
     turning: AxisShape  # of a wheel about its vertical axis: angle, rate, acceleration
@@ -56,10 +64,13 @@ class SteeredParams(NamedTuple):
 
 
 @loop(error_model="numpy")
-def look_at_wheels(
-    params: SteeredParams, signals: WheelSignals, rows: Array, estimate_rows: Array, wheels: Records
-) -> None:
-    """Fill the rows (m, 3) and (m + s, 3) of the constraints at the measured angles."""
+def look_at_wheels(params: SteeredParams, signals: WheelSignals, work: Any, wheels: Records) -> None:
+    """Fill the rows (m, 3) and (m + s, 3) of the constraints at the measured angles.
+
+    The contact of a driven castor moves across it as its pivot does and as it swings: `n . v + d (w + delta') = 0`. How
+    fast it swings is what it was asked for, corrected by where it is seen.
+    """
+    rows, estimate_rows = work.rows, work.estimate_rows
     m = len(params.driven)
     for i in range(m):
         x, y, s, c = _stance(params, signals, params.driven[i])
@@ -69,7 +80,13 @@ def look_at_wheels(
         estimate_rows[i] = rows[i]
     for j in range(len(params.sliding)):
         x, y, s, c = _stance(params, signals, params.sliding[j])
-        estimate_rows[m + j, 0], estimate_rows[m + j, 1], estimate_rows[m + j, 2] = -s, c, x * c + y * s
+        lever, lane = params.levers[params.sliding[j]], params.lanes[params.sliding[j]]
+        estimate_rows[m + j, 0], estimate_rows[m + j, 1], estimate_rows[m + j, 2] = -s, c, x * c + y * s + lever
+        if lever != 0.0:
+            asked = params.dt * work.steering_rates[lane]
+            swung = asked + SEEN * (signals.turned[lane] - work.swung[lane] - asked)
+            work.swung[lane] += swung
+            work.swinging[j] = -lever * swung / params.dt
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -85,7 +102,9 @@ def _stance(params: SteeredParams, signals: WheelSignals, wheel: int) -> tuple[f
 
 @loop(error_model="numpy")
 def bend(params: SteeredParams, command: Planar) -> Planar:
-    """The command on the tightest curve where it asks for a tighter one."""
+    """The command on the tightest curve where it asks for a tighter one; one that turns on the spot drives any."""
+    if params.curvature >= ON_THE_SPOT:
+        return command
     most = params.curvature * math.sqrt(command.x * command.x + command.y * command.y)
     return Planar(command.x, command.y, min(max(command.turn, -most), most))
 
@@ -94,7 +113,8 @@ def bend(params: SteeredParams, command: Planar) -> Planar:
 def readiness(params: SteeredParams, twist: Planar, signals: WheelSignals) -> float:
     """Part (0 to 1) of a twist that is driven while wheels still turn: the fourth power of the worst cosine.
 
-    A wheel that cannot be steered to the twist holds it back for good.
+    A wheel that cannot be steered to the twist holds it back for good. Driven castors hold it back to how fast they can
+    swing.
     """
     least = 1.0
     for i in range(len(params.lanes)):
@@ -104,7 +124,11 @@ def readiness(params: SteeredParams, twist: Planar, signals: WheelSignals) -> fl
         if lane >= 0 and square >= STILL * STILL:
             s, c = sincos(params.places[i, 2] + signals.turned[lane])
             along = c * vx + s * vy
-            least = min(least, along * along / square)
+            if params.levers[i] == 0.0:
+                least = min(least, along * along / square)
+            else:
+                rate = abs((c * vy - s * vx) / params.levers[i] + twist.turn)
+                least = min(least, math.sqrt(params.turning.speed / max(rate, params.turning.speed)))
     return least * least
 
 
@@ -116,7 +140,7 @@ def steer(params: SteeredParams, twist: Planar, signals: WheelSignals, rates: Ar
     """
     for i in range(len(params.lanes)):
         lane = params.lanes[i]
-        if lane < 0:
+        if lane < 0 or params.levers[i] != 0.0:
             continue
         vx, vy = twist.x - twist.turn * params.places[i, 1], twist.y + twist.turn * params.places[i, 0]
         if vx * vx + vy * vy < STILL * STILL:
@@ -128,6 +152,37 @@ def steer(params: SteeredParams, twist: Planar, signals: WheelSignals, rates: Ar
         signals.steering[lane], rates[lane] = shaping_step(
             params.dt, params.turning, signals.steering[lane], rates[lane], min(max(angle, -limit), limit)
         )
+
+
+@loop(error_model="numpy")
+def swing(params: SteeredParams, twist: Planar, signals: WheelSignals, rates: Array) -> None:
+    """Ask driven castors for the rates with which they follow a twist: `delta' = -n . v / d - w` (`castor_rates`).
+
+    A motor that follows an angle with a lag turns at the rate by which it is asked to be ahead after that lag.
+    """
+    for i in range(len(params.lanes)):
+        lane, lever = params.lanes[i], params.levers[i]
+        if lane < 0 or lever == 0.0:
+            continue
+        x, y, s, c = _stance(params, signals, i)
+        across = c * (twist.y + twist.turn * x) - s * (twist.x - twist.turn * y)
+        rate = min(max(-across / lever - twist.turn, -params.turning.speed), params.turning.speed)
+        signals.steering[lane], rates[lane] = signals.turned[lane] + params.ahead * rate, rate
+
+
+@loop(error_model="numpy")
+def share_at_pivots(rows: Array, pull: Array, states: Records) -> None:
+    """Share force on the base among the pivots of driven castors, least sum of squares; rims take what lies along them.
+
+    Forces f = G N^-1 F with G the pivots' velocities per twist, N = G^T G (Holmberg & Khatib 2000); the motors at the
+    pivots take what lies across.
+    """
+    for i in range(len(rows)):
+        a, b, c = rows[i, 0], rows[i, 1], rows[i, 2]
+        own, lane = states[i // WIDTH], i % WIDTH
+        own.force_x[lane] = a * pull[0, 0] + b * pull[1, 0] + c * pull[2, 0]
+        own.force_y[lane] = a * pull[0, 1] + b * pull[1, 1] + c * pull[2, 1]
+        own.force_turn[lane] = a * pull[0, 2] + b * pull[1, 2] + c * pull[2, 2]
 
 
 @loop(error_model="numpy")
@@ -154,7 +209,7 @@ def share_along(rows: Array, weights: Array, twist: Planar, states: Records) -> 
 def look_at(steered: SteeredParams | None, signals: WheelSignals, work: Any, wheels: Records) -> None:
     """`look_at_wheels` where there are any that steer."""
     if steered is not None:
-        look_at_wheels(steered, signals, work.rows, work.estimate_rows, wheels)
+        look_at_wheels(steered, signals, work, wheels)
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -200,7 +255,11 @@ def steer_along(
             x, y, turn = next_twist.x, next_twist.y, next_twist.turn
         soon = allowed(steered, drivable, Planar(x, y, turn))
         steer(steered, soon, signals, work.steering_rates)
-        share_along(work.rows, work.weights, soon, states)
+        swing(steered, command, signals, work.steering_rates)
+        if steered.pull[0, 0] > 0.0:
+            share_at_pivots(work.rows, steered.pull, states)
+        else:
+            share_along(work.rows, work.weights, soon, states)
 
 
 @loop(error_model="numpy", forceinline=True)

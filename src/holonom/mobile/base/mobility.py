@@ -54,7 +54,8 @@ def mobility(base: ConstrainedBase) -> Mobility:
 
     `dm` is 3 minus the rank of the sliding constraints at a steering that lets the base move; `ds` is how many steered
     groups may be set independently before the others have to follow (Siegwart & Nourbakhsh 3.3: at most
-    2 - rank C1f). Differential drive (2, 0, 2), omnidirectional (3, 0, 3), car (1, 1, 2), swerve (1, 2, 3).
+    2 - rank C1f). Differential drive (2, 0, 2), omnidirectional and driven castors (3, 0, 3), car (1, 1, 2), swerve
+    (1, 2, 3).
     """
     found = stance(base.layout)
     assert found is not None, "a WheelBase can move"
@@ -189,13 +190,18 @@ def _settle(layout: Layout, stuck: Sequence[int], first: float) -> Stance | None
         steering[k] = first + 0.61 * k  # any angle will do, but no special one
         left = _motions(layout, held, steering)
         if left.shape[1]:
-            independent += 1
+            independent += _holds(layout, k)
         else:
             motion = motions @ np.cos(1.0 + np.arange(motions.shape[1]))
             steering[k] = float(steering_angles(layout, [float(v) for v in motion], None)[k])
             left = _motions(layout, held, steering)
         motions = left
     return Stance(tuple(steering), motions, independent) if motions.shape[1] else None
+
+
+def _holds(layout: Layout, group: int) -> bool:
+    """Whether wheels of a group must not slide sideways: a driven castor may be at any angle, which steers nothing."""
+    return any(layout.wheels[i].kind != "castor" for i in layout.groups[group])
 
 
 def _motions(layout: Layout, held: Sequence[int], steering: Sequence[float]) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -58,7 +59,8 @@ def wheel_rates(base: WheelBase, twist: ArrayLike, acceleration: ArrayLike) -> W
     that is steered along it turns by `delta' = (c x c')/|c|^2`; as it does not slide, turning it adds nothing to its
     rim:
     `r phi'' = u . c'` (Siegwart & Nourbakhsh, Autonomous Mobile Robots, 3.2, once more differentiated; Dietrich et al.,
-    ICRA 2011). Axles that several wheels share are steered as the first of them.
+    ICRA 2011). Axles that several wheels share are steered as the first of them. A driven castor, here at rest, turns
+    by `delta' = -n . c / d - w` (`castor_rates`), which turns its rim's direction: `r phi'' = u . c' + delta' n . c`.
     """
     xi, a = vectors("twist", twist, 3), vectors("acceleration", acceleration, 3)
     if xi.shape != a.shape:
@@ -68,9 +70,15 @@ def wheel_rates(base: WheelBase, twist: ArrayLike, acceleration: ArrayLike) -> W
     w = xi[..., 2]
     rate = np.stack([a[..., 0] + w * xi[..., 1], a[..., 1] - w * xi[..., 0], a[..., 2]], axis=-1)
     turning = np.zeros_like(angles)
+    swung = np.zeros_like(speeds)
     for k, group in enumerate(base.layout.groups):
         wheel = base.wheels[group[0]]
         cx, cy = _at(xi, wheel.x, wheel.y)
+        if wheel.powered_castor:
+            across = cx * math.cos(wheel.axle) + cy * math.sin(wheel.axle)
+            turning[..., k] = -across / wheel.castor_offset - w
+            swung[..., base.driven.index(wheel.name)] = turning[..., k] * across
+            continue
         square = cx**2 + cy**2
         if square.min(initial=np.inf) < STANDS**2:
             raise OutOfLimits(
@@ -80,7 +88,7 @@ def wheel_rates(base: WheelBase, twist: ArrayLike, acceleration: ArrayLike) -> W
         turning[..., k] = (cx * dy - cy * dx) / square
     rows = [base.rolling_names.index(name) for name in base.driven]
     rolling = base.rolling_matrix(angles)[..., rows, :]
-    return WheelRates(angles, turning, speeds, (rolling @ rate[..., None])[..., 0] / base.wheel_radii)
+    return WheelRates(angles, turning, speeds, ((rolling @ rate[..., None])[..., 0] + swung) / base.wheel_radii)
 
 
 def _at(twist: Array, x: float, y: float) -> tuple[Array, Array]:

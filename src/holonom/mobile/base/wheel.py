@@ -38,7 +38,8 @@ class Wheel:
         Of a skidding wheel, (x, y), m, where a wheel that only rolls would stand to move the base as it does: its
         centre of rotation. None: where it stands.
     driven
-        Whether a motor turns it (for a driven sphere: three, for a ball two, see `KINDS`).
+        Whether a motor turns it (for a driven sphere: three, for a ball two, see `KINDS`). A driven castor has a second
+        one at its pivot: it moves the base in every direction at once, at any angle.
     max_steering
         Of a steered wheel, how far it turns to either side of beta, rad, at most pi/2; None: all around.
     name
@@ -86,10 +87,6 @@ class Wheel:
             )
         if self.kind == "castor" and self.castor_offset == 0.0:
             raise ModelError(f"{called} has castor_offset 0; state its trail in m, or make it a steered wheel")
-        if self.kind == "castor" and self.driven:
-            raise ModelError(
-                f"{called} is a castor and driven; castors roll freely here: drive a steered wheel instead"
-            )
         _only(called, self.kind, "swedish", "roller_angle", self.roller_angle != 0.0)
         _only(called, self.kind, "castor", "castor_offset", self.castor_offset != 0.0)
         _only(called, self.kind, "steered", "max_steering", self.max_steering is not None)
@@ -128,6 +125,16 @@ class Wheel:
     def y(self) -> float:
         """Place to the left of the origin of base_link, m."""
         return self.l * unit(self.alpha)[0]
+
+    @property
+    def steers(self) -> bool:
+        """Whether a motor turns it about its vertical axis: a steered wheel, a driven castor."""
+        return self.kind == "steered" or self.powered_castor
+
+    @property
+    def powered_castor(self) -> bool:
+        """Whether it is a castor whose wheel and pivot have motors: it rolls, and swings, as the base moves."""
+        return self.kind == "castor" and self.driven
 
     @property
     def acting(self) -> tuple[float, float]:
@@ -178,6 +185,11 @@ def _none(wheel: Wheel, s: Number, c: Number) -> list[Row]:
     return []
 
 
+def _castor(wheel: Wheel, s: Number, c: Number) -> list[Row]:
+    """Its rim runs as its pivot moves along it: turning about the pivot adds nothing."""
+    return _roll(wheel, s, c) if wheel.driven else []
+
+
 def _swedish(wheel: Wheel, s: Number, c: Number) -> list[Row]:
     return [swedish_row(wheel.x, wheel.y, wheel.axle, wheel.roller_angle)]
 
@@ -200,10 +212,10 @@ def _no_spin(wheel: Wheel, s: Number, c: Number) -> list[Row]:
 KINDS: Mapping[str, Kind] = {
     "fixed": Kind(_roll, _slide, lambda wheel: ("",)),
     "steered": Kind(_roll, _slide, lambda wheel: ("",)),
-    "castor": Kind(_none, _none, lambda wheel: ()),
+    "castor": Kind(_castor, _none, lambda wheel: ("",) if wheel.driven else ()),
     "swedish": Kind(_swedish, _none, lambda wheel: ("",)),
     "skid": Kind(_roll, _slide, lambda wheel: ("",)),
     "spherical": Kind(_sphere, _none, lambda wheel: (" along", " across", " spin") if wheel.driven else ()),
     "ball": Kind(_ball, _no_spin, lambda wheel: (" along", " across")),
 }
-"""A kind of wheel is its rows and one line here. A castor and a passive sphere follow any twist."""
+"""A kind of wheel is its rows and one line here. A castor, driven or not, and a passive sphere follow any twist."""

@@ -162,8 +162,6 @@ class WheelBase:
         """Checked steering angles (..., k); those at rest for None."""
         return np.zeros(len(self.steered)) if steering is None else vectors("steering", steering, len(self.steered))
 
-    # inverse model
-
     def steering(
         self, twist: ArrayLike, current: ArrayLike | None = None, *, out: Array | None = None, threads: int = 1
     ) -> Array:
@@ -176,7 +174,7 @@ class WheelBase:
             and wheels whose contact stands still stay. None: wheels head where they roll, in (-pi, pi], and stay at 0.
             Wheels with `max_steering` take the half turn around their rest, whatever is current.
 
-        A group that several wheels share takes the angle that drags them least.
+        A group that several wheels share takes the angle that drags them least. Driven castors stay as they are.
 
         Raises
         ------
@@ -235,8 +233,6 @@ class WheelBase:
             if max(drag.max(initial=0.0), -drag.min(initial=0.0)) > tolerance:
                 raise dragged_wheel(self, twist, steering, drag)
         return speeds
-
-    # forward model
 
     def twist(
         self, speeds: ArrayLike, steering: ArrayLike | None = None, *, out: Array | None = None, threads: int = 1

@@ -67,7 +67,7 @@ def known_suspension(name: str) -> str:
 def steering_groups(
     base: str, wheels: Sequence[Wheel], stated: Mapping[str, Sequence[str]]
 ) -> dict[str, tuple[int, ...]]:  # fmt: skip
-    """Members of each steering angle by its name: stated groups at the place of their first wheel."""
+    """Members of each steering angle by its name: stated groups at the place of their first wheel; castors alone."""
     place = {w.name: i for i, w in enumerate(wheels)}
     owner: dict[int, str] = {}
     for group, members in stated.items():
@@ -79,12 +79,12 @@ def steering_groups(
                     f"base {base!r}: group {group!r} has {member!r}, which is not steered or in another group"
                 )
             owner[place[member]] = group
-    alone = {w.name for i, w in enumerate(wheels) if w.kind == "steered" and i not in owner}
+    alone = {w.name for i, w in enumerate(wheels) if w.steers and i not in owner}
     for group in alone.intersection(stated):
         raise ModelError(f"base {base!r}: group {group!r} has the name of a wheel that steers alone; name it otherwise")
     groups: dict[str, tuple[int, ...]] = {}
     for i, wheel in enumerate(wheels):
-        if wheel.kind == "steered":
+        if wheel.steers:
             key = owner.get(i, wheel.name)
             groups[key] = (*groups.get(key, ()), i)
     return groups

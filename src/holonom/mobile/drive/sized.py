@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from holonom.devices import DcMotor, Encoder, Gear
+from holonom.devices import DcMotor, Encoder, Gear, SteeringMotor
 from holonom.errors import ModelError
 from holonom.mechanics.arm.sized_drives import sized_motor
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.base_drive import GRAVITY, BaseDrive
 
-__all__ = ["sized_base_drive"]
+__all__ = ["sized_base_drive", "usual_steering"]
 
 SUPPLY = 24.0
 """V, of a battery."""
 WHEEL_DENSITY = 1500.0
 """kg/m3 of a drawn wheel, a cylinder as wide as its radius."""
+SWINGING = 1.5
+"""Rate at which driven castors can swing over speed by lever: for a base that turns at once."""
 GRIP = 0.8  # of a dry floor
 RESERVE = 2.0
 """Force of the wheels over what the acceleration takes: for turning at once, friction and a wheel that slips."""
@@ -45,7 +49,17 @@ def sized_base_drive(base: WheelBase, speed: float, acceleration: float) -> Base
         motor.max_voltage, motor.max_current,
     )  # fmt: skip
     inertia = 0.5 * WHEEL_DENSITY * np.pi * radius**5
-    return BaseDrive(sheet, Gear(motor.gear_ratio), Encoder(motor.encoder_counts), wheel_inertia=float(inertia))
+    return BaseDrive(
+        sheet, Gear(motor.gear_ratio), Encoder(motor.encoder_counts), wheel_inertia=float(inertia),
+        steering=usual_steering(base, speed),
+    )  # fmt: skip
+
+
+def usual_steering(base: WheelBase, speed: float) -> SteeringMotor:
+    """Return a usual steering motor; for driven castors one that swings them as pivots move across, m/s."""
+    usual = SteeringMotor()
+    levers = [abs(wheel.castor_offset) for wheel in base.wheels if wheel.powered_castor]
+    return replace(usual, max_rate=max(usual.max_rate, SWINGING * speed / min(levers))) if levers else usual
 
 
 def _dragging(base: WheelBase) -> float:

@@ -73,7 +73,7 @@ def speed_profile(
     ------
     ShapeError, OutOfLimits
     InputError
-        A path sharper than the base can turn: where, and its smallest radius.
+        A path sharper than the base can turn: where, and its smallest radius. A base with driven castors.
     MotionError
         A place where the base cannot even stand, or from which it cannot drive on.
 
@@ -129,6 +129,12 @@ def _checked(
             raise OutOfLimits(f"speed_profile: {name} is {shown(value)}; it must be a number above 0")
     if base.mass is None:
         raise InputError(f"base {base.name!r} states no mass; give it one, kg (mass=)")
+    castors = [wheel.name for wheel in base.wheels if wheel.powered_castor]
+    if castors:
+        raise InputError(
+            f"base {base.name!r} has driven castors ({', '.join(castors)}), whose angles depend on where they came "
+            "from: no profile is made for them; plan its path with limits of speed and acceleration (plan_path)"
+        )
     return s - s[0], k, np.broadcast_to(sign, s.shape)
 
 

@@ -8,7 +8,7 @@ few that some motion is left at any angles narrow the subspace, by Gram and Schm
 wheels of a car, leave one only where their axles meet: the fitted twist v is turned to where they lead, by one step of
 inverse iteration with A = sum of their sliding rows squared, `d ~ (A + e 1)^-1 v` (Golub & Van Loan, Matrix
 Computations, 7.6.1), which drags none of them if they do meet, and as little as can be where not. Then d is made as
-long as the rolling rows have it.
+long as the rolling rows have it. Of a driven castor only the rolling row counts, at its angle.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def twist_of_speeds(layout: Layout, speeds: Row, axles: Sequence[Axle]) -> tuple
     Also how well it is determined: determinant of the normal matrix over the cube of a third of its usual trace.
     """
     P, right = _projector(layout), _right(layout, speeds, axles)
-    normal, varying = _constant_share(layout), _varying(layout)
+    normal, varying = _with(_constant_share(layout), _swung(layout, P, axles)), _varying(layout)
     if varying and len(varying) < round(sum(float(P[k][k]) for k in range(3))):
         Q = _narrowed(P, [row for i in varying for row in _sliding(layout, layout.wheels[i], axles[i])])
         v, determinant = solve_symmetric3(_between(layout, Q, normal), _times(Q, right))
@@ -88,11 +88,18 @@ def _constant_share(layout: Layout) -> list[Row]:
     for i, wheel in enumerate(layout.wheels):
         if i not in varying:
             s, c = unit(wheel.axle)
-            rolling = KINDS[wheel.kind].rolling(wheel, s, c) if wheel.driven else []
+            rolls = wheel.driven and wheel.kind != "castor"
+            rolling = KINDS[wheel.kind].rolling(wheel, s, c) if rolls else []
             sliding = _sliding(layout, wheel, (s, c)) if wheel.kind == "steered" else []
             normal = _with(normal, _projected(P, [*_scaled(layout, rolling), *sliding]))
     least = ROUNDING * _usual_trace(layout)
     return [[select(less(absolute(n), least), 0.0, n) for n in line] for line in normal]
+
+
+def _swung(layout: Layout, P: Sequence[Row], axles: Sequence[Axle]) -> list[Row]:
+    """Rolling rows of driven castors, in the subspace of the fixed wheels: of one direction each, which turns."""
+    castors = [(w, axle) for w, axle in zip(layout.wheels, axles, strict=True) if w.powered_castor]
+    return [row for w, axle in castors for row in _projected(P, _scaled(layout, KINDS[w.kind].rolling(w, *axle)))]
 
 
 def _projector(layout: Layout) -> list[Row]:

@@ -31,18 +31,21 @@ class Course(NamedTuple):
 
 
 def steering_angles(layout: Layout, twist: Row, current: Sequence[Number] | None) -> Row:
-    """Angle of each group, every axle through the centre of rotation; see `WheelBase.steering`."""
+    """Angle of each group, every axle through the centre of rotation, castors as they are; `WheelBase.steering`."""
     if current is None:
-        return [_angle(_course(layout, members, twist)) for members in layout.groups]
-    return [_angle_near(layout, m, twist, now) for m, now in zip(layout.groups, current, strict=True)]
+        return [
+            0.0 if _swings(layout, members) else _angle(_course(layout, members, twist)) for members in layout.groups
+        ]
+    pairs = zip(layout.groups, current, strict=True)
+    return [now if _swings(layout, m) else _angle_near(layout, m, twist, now) for m, now in pairs]
 
 
 def free_wheel_speeds(layout: Layout, twist: Row) -> tuple[Row, Number]:
     """Inverse model with every group steered as `steering_angles` steers it, and the drag that this leaves.
 
-    Wheels that steer alone never drag.
+    Wheels that steer alone never drag; driven castors are at rest.
     """
-    alone = {g[0] for g in layout.groups if len(g) == 1}
+    alone = {g[0] for g in layout.groups if len(g) == 1 and layout.wheels[g[0]].kind != "castor"}
     turned = [(0.0, 1.0) if len(g) == 1 else _unit(_course(layout, g, twist)) for g in layout.groups]
     axles = layout.axles(turned)
     speeds: Row = []
@@ -94,6 +97,11 @@ def _course(layout: Layout, members: Sequence[int], twist: Row) -> Course:
     if _limited(layout, members):  # the half turn around the rest
         p, q = absolute(p), select(less(p, 0.0), -q, q)
     return Course(p, q, less(STANDSTILL * STANDSTILL, square))
+
+
+def _swings(layout: Layout, members: Sequence[int]) -> bool:
+    """Whether it is a driven castor, which may stand at any angle."""
+    return layout.wheels[members[0]].kind == "castor"
 
 
 def _limited(layout: Layout, members: Sequence[int]) -> bool:

@@ -197,10 +197,11 @@ def _rolling(
         trail = float((place - at)[:2] @ along)
         free = any(w in f"{pivot.name} {pivot.child}".lower() for w in _FREE) and pivot.name not in driven
         if not kind:
-            kind = "castor" if abs(trail) > _TRAIL * radius and (free or _endless(pivot)) and not motor else "steered"
+            trails = abs(trail) > _TRAIL * radius and (free or _endless(pivot))
+            kind = "castor" if trails and (not motor or pivot.name in driven) else "steered"
         if kind == "castor":
-            heading += math.pi if trail < 0.0 else 0.0
             offset, spot = float(stated.get("castor_offset", abs(trail))), at
+            heading += math.pi if trail * offset < 0.0 else 0.0
     if pivot is None or kind not in ("castor", "steered"):
         pivot = None
     limit = stated.get("max_steering", None if pivot is None or kind != "steered" else _limit(pivot))

@@ -354,7 +354,7 @@ class BasePlant:
         """
         if FAULTS[fault.kind] != STUCK:
             return self.wheel_index(fault.wheel)
-        steered = {lane.wheel.name: k for k, lane in enumerate(self.lanes) if lane.wheel.kind == "steered"}
+        steered = {lane.wheel.name: k for k, lane in enumerate(self.lanes) if lane.wheel.steers}
         if fault.wheel not in steered:
             raise UnknownName("steered wheel", str(fault.wheel), steered)
         return steered[str(fault.wheel)]

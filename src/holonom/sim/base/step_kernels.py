@@ -183,10 +183,12 @@ def _follow_steered(params: BasePlantParams, body: Any, states: Records, signals
         wheel, own, lane = params.wheels[i // WIDTH], states[i // WIDTH], i % WIDTH
         if wheel.reach[lane] == 0.0 or (wheel.turns[lane] > 0.0 and wheel.servo[lane] == 0.0):
             continue  # filling, and castors, which follow
+        angle = 0.0
         if wheel.turns[lane] > 0.0:
             limit, most = wheel.steering.limit[lane], TICK * wheel.steering.max_rate[lane] * own.free[lane]
             asked = min(max(signals.steering[i], -limit), limit)
-            angle = min(max(asked - own.turned[lane], -most), most)
+            part = 1.0 if wheel.lever[lane] == 0.0 else TICK / wheel.steering.lag[lane]  # castors are asked for rates
+            angle = min(max(part * (asked - own.turned[lane]), -most), most)
             own.turned[lane] += angle
             own.motor[lane] = own.turned[lane]
             s, c = sincos(angle)
@@ -202,8 +204,9 @@ def _follow_steered(params: BasePlantParams, body: Any, states: Records, signals
             _fit(a, b, row, wheel.along_radius[lane] * speed, 1.0)
         if wheel.rollers[lane] == 0.0:
             x, y = own.across_x[lane], own.across_y[lane]
-            row[0], row[1], row[2] = x, y, (wheel.x[lane] * y - wheel.y[lane] * x) / reach
-            _fit(a, b, row, 0.0, HELD)
+            lever = wheel.lever[lane]  # of a driven castor, whose motor swings it
+            row[0], row[1], row[2] = x, y, (wheel.x[lane] * y - wheel.y[lane] * x + lever) / reach
+            _fit(a, b, row, -lever * angle / TICK, HELD if lever == 0.0 else 1.0)
     vx, vy, w = solve_positive3(
         a[0, 0] + SOFT, a[1, 1] + SOFT, a[2, 2] + SOFT, a[0, 1], a[0, 2], a[1, 2], b[0], b[1], b[2]
     )

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 from holonom.arrays import Array
@@ -54,9 +55,13 @@ def _steered(wheel: Wheel, drive: BaseDrive, spin: float) -> dict[str, Any]:
 
 
 def _castor(wheel: Wheel, drive: BaseDrive, spin: float) -> dict[str, Any]:
-    """It turns freely; its wheel is a disc, whose mass turns with it about the pivot."""
+    """Its wheel is a disc, whose mass turns with it about the pivot: freely, or by its steering motor if driven."""
     mass = 2.0 * spin / wheel.radius**2
-    pivot = SteeringMotor(inertia=0.5 * spin + mass * wheel.castor_offset**2)
+    disc = 0.5 * spin + mass * wheel.castor_offset**2
+    if wheel.driven:
+        motor = replace(drive.steering, inertia=drive.steering.inertia + disc)
+        return {"turns": 1.0, "servo": 1.0, "lever": wheel.castor_offset, "steering": motor.params()}
+    pivot = SteeringMotor(inertia=disc)
     return {
         "turns": 1.0, "lever": wheel.castor_offset, "pivot_drag": PIVOT_DRAG * mass, "steering": pivot.params()
     }  # fmt: skip

@@ -23,7 +23,7 @@ from holonom.errors import CellError, InputError, ModelError
 from holonom.machine import BaseSettings, ReferencePath
 from holonom.mobile import BaseDrive, BaseSensors, WheelBase
 from holonom.mobile.base.payload import Payload, loaded
-from holonom.mobile.drive.sized import sized_base_drive
+from holonom.mobile.drive.sized import sized_base_drive, usual_steering
 from holonom.sim import BaseFault
 from holonom.sim.base.balancing import FALLEN
 from holonom.sim.base.plant import simulated_lanes
@@ -143,14 +143,20 @@ def _drive(robot: Robot, base: WheelBase) -> tuple[BaseDrive, str, tuple[str, ..
         return _stated(robot.drives), "motors", ()
     limits = robot.limits
     assert isinstance(limits, BaseLimits)
-    speed, acceleration = limits.speed, limits.acceleration
+    speed, acceleration = _speed(robot), limits.acceleration
     if robot.path is not None:
-        speed, acceleration = max(speed, robot.path.speed), max(acceleration, robot.path.acceleration)
+        acceleration = max(acceleration, robot.path.acceleration)
     sized = sized_base_drive(base, speed, acceleration)
     if robot.drives is not None:
         return sized, str(robot.drives), ()
     note = f"no motors are stated; they are sized for {speed:g} m/s and {acceleration:g} m/s2"
     return sized, "from_limits", (note,)
+
+
+def _speed(robot: Robot) -> float:
+    """The greatest that it is to reach, m/s."""
+    assert isinstance(robot.limits, BaseLimits)
+    return robot.limits.speed if robot.path is None else max(robot.limits.speed, robot.path.speed)
 
 
 def _with_steering(robot: Robot, base: WheelBase, drive: BaseDrive) -> tuple[BaseDrive, tuple[str, ...]]:
@@ -161,7 +167,8 @@ def _with_steering(robot: Robot, base: WheelBase, drive: BaseDrive) -> tuple[Bas
         return drive, ()
     if robot.steering is not None:
         return dataclasses.replace(drive, steering=SteeringMotor(**robot.steering.model_dump())), ()
-    m = drive.steering
+    m = usual_steering(base, _speed(robot))
+    drive = dataclasses.replace(drive, steering=m)
     usual = f"{m.max_rate:g} rad/s, {m.max_torque:g} N m and a lag of {1e3 * m.lag:g} ms"
     return drive, (f"no steering motors are stated; usual ones are taken: {usual}",)
 

@@ -171,7 +171,7 @@ class Cell(Section):
             raise refuse(("robot",), f"{robot.name!r} is an arm; motors of bases can break")
         base = robot.source.base
         if FAULTS[fault.kind] == "stuck":
-            kind, known = "steered wheel", [wheel.name for wheel in base.wheels if wheel.kind == "steered"]
+            kind, known = "steered wheel", [wheel.name for wheel in base.wheels if wheel.steers]
         else:
             kind, known = "driven wheel", list(base.driven)
         if fault.wheel not in known:

@@ -8,31 +8,37 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from holonom.app.cell.build.base import deck_height
-from holonom.app.cell.model.world import Patch
+from holonom.app.cell.model.world import Patch, StepTable
 from holonom.app.job import BaseJob
 from holonom.app.recording.scope import Scope
 from holonom.app.report import Box, Label, Shape, Tube
+from holonom.app.report.attachments import EDGE, step_corners, step_name
 from holonom.app.rig.wheel_frames import framed_wheels
 from holonom.arrays import Array
 from holonom.mobile import Wheel, WheelBase, footprint
+from holonom.sim import Step
 from holonom.spatial import pose
 
-__all__ = ["patch_shapes", "path_shapes", "reach_of", "shapes_of_base"]
+__all__ = ["patch_shapes", "path_shapes", "reach_of", "shapes_of_base", "step_shapes"]
 
 BODY, DECK, RUBBER, METAL, MARK = "#33415c", "#eef1f5", "#1f2937", "#aab4c3", "#d9480f"
 WHEEL_WIDTH = 0.45
 """Width of a drawn wheel over its radius."""
 LONG = 1.25
 """Length over width of what a base covers, from which its body is drawn as a box."""
+BESIDE = 0.3  # m beyond an edge, of its name
 DOTS = 120
 """Dots of a drawn path at most."""
 
 
 def shapes_of_base(job: BaseJob) -> list[Shape]:
-    """Shapes of a base in its frame "base_link", in those of its turning wheels, "wheel_1", and castors, "castor_1"."""
+    """Shapes of a base in its frame "base_link", in those of its turning wheels, "wheel_1", and castors, "castor_1".
+
+    A body that balances leans in a frame of its own, "body".
+    """
     scope = Scope(job.name, ())
     base, body = job.base, scope.frame("base_link")
-    shapes = _body(base, body)
+    shapes = _body(base, scope.frame("body") if base.balances else body)
     framed = framed_wheels(base)
     for number, (_, wheel) in enumerate(framed, 1):
         shapes += _tyre(scope.frame(f"wheel_{number}"), wheel, np.eye(4))
@@ -67,6 +73,17 @@ def patch_shapes(patch: Patch) -> list[Shape]:
     T = pose((x, y, top - 0.003))
     T[:3, :3] = Rotation.from_euler("z", patch.angle).as_matrix()
     return [Box("world", T, (*patch.size, 0.006), "#bfe3f5"), label]
+
+
+def step_shapes(step: StepTable, length: float) -> list[Shape]:
+    """The edge of a step with its height, drawn on the floor: bases in the replay stay level with it."""
+    edge = Step(step.position, step.height, step.rise)
+    middle = step_corners(edge, length).mean(axis=0)
+    T = pose((float(middle[0]), float(middle[1]), -0.0025))
+    T[:3, :3] = Rotation.from_euler("z", step.rise).as_matrix()
+    c, s = math.cos(step.rise), math.sin(step.rise)
+    beside = pose((float(middle[0]) + BESIDE * c, float(middle[1]) + BESIDE * s, 4e-4))
+    return [Box("world", T, (EDGE, length, 0.004), "#8b7355"), Label("world", beside, step_name(edge), 0.06, "#6b5637")]
 
 
 def reach_of(base: WheelBase) -> float:

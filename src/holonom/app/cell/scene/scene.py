@@ -13,12 +13,13 @@ from holonom.app.cell.model.places import placement_pose
 from holonom.app.cell.model.robot import Robot
 from holonom.app.cell.model.world import SurfaceTable, Tray
 from holonom.app.cell.scene.arm import shapes_of_arm
-from holonom.app.cell.scene.base import patch_shapes, path_shapes, reach_of, shapes_of_base
+from holonom.app.cell.scene.base import patch_shapes, path_shapes, reach_of, shapes_of_base, step_shapes
 from holonom.app.cell.scene.views import views_of
 from holonom.app.job import ArmJob, BaseJob, Obstacle
 from holonom.app.recording.scope import Scope
 from holonom.app.report import Box, Scene, Shape, Tube
 from holonom.app.report import Disc as DiscShape
+from holonom.app.report.attachments import edge_of
 from holonom.arrays import Array
 from holonom.machine.group import planar_pose
 from holonom.model import reach
@@ -48,6 +49,7 @@ def build_scene(
     box = _box([*still, *_bases(bases), *_reaches(cell, arms, bases)])
     shapes: list[Shape] = [] if not bases else [_floor(box)]
     shapes += [shape for patch in cell.patch for shape in patch_shapes(patch)]
+    shapes += [shape for step in cell.floor.steps for shape in step_shapes(step, edge_of(bases))]
     for base in bases:
         if base.task.path is not None:
             shapes += path_shapes(base.task.path.pose[:: max(1, len(base.task.path.pose) // 120), :2])

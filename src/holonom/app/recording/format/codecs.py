@@ -38,11 +38,11 @@ from holonom.app.recording.format.topic_messages import Messages
 from holonom.app.recording.scope import Scope
 from holonom.app.recording.tracks import Track
 from holonom.arrays import Array
-from holonom.signals import Reading, Steering, Topic, WheelLoad
+from holonom.signals import Pitch, Reading, Steering, Topic, WheelLoad
 
 __all__ = ["CODECS", "Codec", "Encode", "groups_of", "transform_groups"]
 
-OWN_LENGTH = (Reading, Steering, WheelLoad)
+OWN_LENGTH = (Pitch, Reading, Steering, WheelLoad)
 """Records of as many numbers as they have, not one for each joint."""
 Encode = Callable[[int, Any], bytes | None]
 """Time (ns) and record to a message; None where the record says nothing of it."""

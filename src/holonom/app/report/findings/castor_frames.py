@@ -18,7 +18,7 @@ MOST = 20_000
 
 
 def castor_frames(frames: Mapping[str, FrameTrack], robots: Sequence[RobotFacts]) -> dict[str, FrameTrack]:
-    """Frames "castor_1" and so on of every base, by their full names, as a scene has them.
+    """Frames "castor_1" and so on of the free castors of every base, by their full names, as a scene has them.
 
     The origin is the pivot on the floor, x the way from there to where the castor touches it, or rolls.
     """
@@ -32,12 +32,13 @@ def castor_frames(frames: Mapping[str, FrameTrack], robots: Sequence[RobotFacts]
         some = np.unique(np.linspace(0, len(track.time) - 1, min(len(track.time), MOST)).astype(int))
         pose = _planar(track)[some]
         turned = castors_along(base, pose)
-        for k, wheel in enumerate(castors):
+        for number, k in enumerate((k for k, wheel in enumerate(castors) if not wheel.driven), 1):
+            wheel = castors[k]
             c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
             place = pose[:, :2] + np.stack([c * wheel.x - s * wheel.y, s * wheel.x + c * wheel.y], axis=1)
             half = 0.5 * (pose[:, 2] + wheel.heading + turned[:, k])
             flat = np.zeros(len(some))
-            found[f"{prefix}castor_{k + 1}"] = FrameTrack(
+            found[f"{prefix}castor_{number}"] = FrameTrack(
                 track.time[some],
                 np.column_stack([place, flat]),
                 np.stack([flat, flat, np.sin(half), np.cos(half)], axis=1),

@@ -173,6 +173,7 @@ class CellFacts:
     fields: tuple[FieldFacts, ...] = ()
     parts: tuple[PartFacts, ...] = ()
     obstacles: tuple[PatchFacts, ...] = ()
+    steps: tuple[PatchFacts, ...] = ()
 
 
 Numbers = Mapping[str, float]

@@ -1,4 +1,4 @@
-"""Section: lines over time of each base: path error, motion, steering, wheels, slip, forces, motors."""
+"""Section: lines over time of each base: path error, motion, steering, pitch, wheels, slip, forces, motors."""
 
 from __future__ import annotations
 
@@ -21,6 +21,8 @@ __all__ = ["SECTION"]
 
 STILL = 0.02
 """m/s and rad/s below which a base stands."""
+NOTHING = 1e-6
+"""Of what is unexplained or found, below which there is nothing to draw."""
 SHARPEST = 10.0
 """1/m, of a curve that is drawn: turning on the spot has no bound."""
 
@@ -38,7 +40,12 @@ def _curves(robot: RobotSource) -> list[Curve]:
     key = f"{robot.name}:" if robot.name else ""
     unknown = [f"{key}force", f"{key}current"] if robot.facts.ideal else []
     curves = [curve for curve in _of_base(robot, key) if curve.key not in unknown]
-    return [curve for curve in curves if len(curve.time) and curve.values.size]
+    silent = (f"{key}residual", f"{key}status")
+    return [
+        curve
+        for curve in curves
+        if len(curve.time) and curve.values.size and (curve.key not in silent or np.abs(curve.values).max() > NOTHING)
+    ]
 
 
 def _of_base(robot: RobotSource, key: str) -> list[Curve]:
@@ -49,6 +56,7 @@ def _of_base(robot: RobotSource, key: str) -> list[Curve]:
         *_path_errors(robot, key),
         *_motion(robot, key),
         *_steering(robot, key),
+        *_pitch(robot, key),
         Curve(f"{key}residual", "Rim speed that no twist explains", "m/s", contacts.time, contacts.residual, names),
         Curve(f"{key}slip", "Slip, true", "m/s", contacts.time, contacts.slip, names),
         *_status(robot, key),
@@ -116,7 +124,7 @@ def _steering(robot: RobotSource, key: str) -> list[Curve]:
     measured, asked = (tracks.get(f"/{kind}/steering") for kind in ("measured", "commanded"))
     if measured is None or asked is None or base is None:
         return []
-    names = [wheel.name for wheel in base.wheels if wheel.kind == "steered"]
+    names = [wheel.name for wheel in base.wheels if wheel.steers]
     count = min(len(measured.time), len(asked.time))
     values = np.concatenate([measured.fields["angle"][:count], asked.fields["asked"][:count]], axis=1)
     if values.shape[1] != 2 * len(names):
@@ -127,6 +135,16 @@ def _steering(robot: RobotSource, key: str) -> list[Curve]:
             (*names, *(f"{name}, asked" for name in names)),
         )
     ]  # fmt: skip
+
+
+def _pitch(robot: RobotSource, key: str) -> list[Curve]:
+    """How a body that balances leans."""
+    true, seen = (robot.recording.tracks.get(f"/{kind}/pitch") for kind in ("truth", "estimated"))
+    if true is None or seen is None:
+        return []
+    count = min(len(true.time), len(seen.time))
+    values = np.concatenate([true.fields["angle"][:count], seen.fields["seen"][:count]], axis=1)
+    return [Curve(f"{key}pitch", "Pitch, forwards", "°", true.time[:count], np.degrees(values), ("true", "estimated"))]
 
 
 def _loads(robot: RobotSource, key: str) -> list[Curve]:

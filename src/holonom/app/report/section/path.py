@@ -20,7 +20,7 @@ from holonom.registry import OWN, Method
 __all__ = ["SECTION"]
 
 REFERENCE, TRUE, BELIEVED, OTHER = "var(--ink)", "#0f766e", "#8f7ae0", "#f0a37f"
-PATCH, OBSTACLE, MARK = "#bfe3f5", "#e07a5f", "#b3261e"
+PATCH, OBSTACLE, STEP, MARK = "#bfe3f5", "#e07a5f", "#8b7355", "#b3261e"
 COLOURS = ("#0b7285", "#d9480f", "#5f3dc4", "#2b8a3e", "#c2255c", "#9c6f00", "#1864ab", "#495057")
 MARKS, ROWS = 40, 200
 """Marks on a map and rows of the table; more cannot be read."""
@@ -45,6 +45,7 @@ def _together(source: Source, moving: Sequence[tuple[RobotSource, Motion]]) -> F
 
 def _patches(source: Source) -> list[MapPatch]:
     patches = [MapPatch(patch.name, np.array(patch.corners), PATCH) for patch in source.cell.patches]
+    patches += [MapPatch(step.name, np.array(step.corners), STEP) for step in source.cell.steps]
     return patches + [MapPatch(one.name, np.array(one.corners), OBSTACLE) for one in source.cell.obstacles]
 
 
