@@ -90,6 +90,7 @@ RUNNING, DONE, STOPPED = 0, 1, 2
 KEEP_BOTH, KEEP_PATH, KEEP_HEADING = 0, 1, 2
 """What is kept where the motors that are left cannot hold path and heading at once."""
 CREEPS = 0.01  # m/s of a rim, from which on a base does not stand
+LEARNED = 20  # samples at rest, from which on a slope is believed beyond it
 THERE = 2e-3  # m from where it is to be, from which on it goes there
 SLOW = 0.2  # m/s, below which the way that a base goes is not told from the one that it looks
 SLOW_TURN = 0.3  # rad/s, below which little is learned of how much wheels skid
@@ -115,7 +116,8 @@ def control_step(
     base.gyro, base.raw_x, base.raw_y = signals.inertial[0], signals.inertial[1], signals.inertial[2]
     s, c = sincos(base.seen_theta)  # what accelerometers show of a slope turns under the base
     level = params.level + params.level_noise / math.sqrt(max(base.rests, 1))
-    sure = 1.0 if base.rise_x * base.rise_x + base.rise_y * base.rise_y > level * level else 0.0
+    told = base.stands != 0 or base.rests >= LEARNED
+    sure = 1.0 if told and base.rise_x * base.rise_x + base.rise_y * base.rise_y > level * level else 0.0
     base.slope_x = sure * (c * base.rise_x + s * base.rise_y)
     base.slope_y = sure * (c * base.rise_y - s * base.rise_x)
     base.imu_x, base.imu_y = base.raw_x - base.slope_x, base.raw_y - base.slope_y

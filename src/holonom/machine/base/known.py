@@ -131,6 +131,7 @@ def _estimate_params(base: WheelBase, settings: BaseSettings) -> EstimateParams:
 def _check_params(base: WheelBase, settings: BaseSettings, drivable: Array) -> CheckParams | None:
     """Of wheels that roll, under a body that stands; omni bases have their spare wheel, or nothing that tells."""
     omni = not base.steered and np.linalg.matrix_rank(drivable, tol=1e-9) == 3
+    omni = omni or any(wheel.powered_castor for wheel in base.wheels)
     if settings.check is None or settings.slip is None or omni or base.balances or skids(base.wheels):
         return None
     return settings.check.params(TICK)

@@ -13,10 +13,10 @@ from holonom.app.report.findings.base_outline import base_of
 from holonom.app.report.findings.base_words import (
     SlipVerdicts,
     Spell,
-    broken,
     dead_since,
     faults_of,
     gripping_again,
+    phase_of,
     verdicts_of,
 )
 from holonom.app.report.findings.facts import FaultFacts, RobotFacts
@@ -300,7 +300,7 @@ def _phases(recording: Recording, slips: Sequence[SlipEpisode], faults: Sequence
     found += [Phase(f"{slip.wheel} slips", slip.start, min(slip.end + AFTER, end)) for slip in slips]
     for fault in reached:
         until = min([t for t in changes if t > fault.time], default=end)
-        found.append(Phase(broken(fault.wheel, fault.kind), fault.time, until))
+        found.append(Phase(phase_of(fault.wheel, fault.kind), fault.time, until))
     return tuple(found)
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from holonom.app.report.findings.facts import FaultFacts
 from holonom.signals import Event
 
-__all__ = ["SlipVerdicts", "Spell", "broken", "dead_since", "faults_of", "gripping_again", "verdicts_of"]
+__all__ = ["SlipVerdicts", "Spell", "broken", "dead_since", "faults_of", "gripping_again", "phase_of", "verdicts_of"]
 
 TRUTH, PLANT, DETECTOR, WATCH = "truth", "plant", "slip detection", "motor watch"
 """Sources of events."""
@@ -38,6 +38,12 @@ BROKEN = {
     "frozen": "encoder of {} stuck",
     "off": "{} off",
 }
+
+
+def phase_of(wheel: str, kind: str) -> str:
+    """What the time from then on is called."""
+    what = {"stuck": "steering stuck", "frozen": "encoder stuck", "off": "off"}.get(kind, f"motor {kind}")
+    return f"{wheel}: {what}"
 
 
 def broken(wheel: str, kind: str) -> str:
