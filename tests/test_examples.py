@@ -33,3 +33,18 @@ def test_run_leaves_its_records(name: str, example_run: Callable[[str], Path]) -
     assert json.loads((folder / "summary.json").read_text("utf-8"))
     report = (folder / "report.html").read_text("utf-8")
     assert report.lstrip().lower().startswith("<!doctype html>")
+
+
+@pytest.mark.slow
+def test_the_swerve_drive_keeps_its_path_with_a_wheel_that_is_stuck(example_run: Callable[[str], Path]) -> None:
+    summary = json.loads((example_run("05_swerve") / "summary.json").read_text("utf-8"))
+    (fault,) = summary["dead_motors"]
+    assert (fault["kind"], fault["time"]) == ("stuck", 9.0)
+    assert 0.0 < fault["detected"] - 9.0 < 1.0
+    assert summary["path_driven"] == pytest.approx(1.0)
+    before, after = (
+        next(error for error in summary["path_errors"] if error["phase"] == phase)
+        for phase in ("before the first fault", "front left: steering stuck")
+    )
+    assert before["rms_m"] < 0.01
+    assert after["rms_m"] < 0.05

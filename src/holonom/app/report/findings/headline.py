@@ -61,5 +61,7 @@ def _of_base(robot: RobotSource) -> dict[str, str]:
         facts["Slipping wheel named after"] = f"at most {1e3 * max(delays):.0f} ms"
     for motor in found.dead:
         if motor.detected is not None:
-            facts["Dead motor found after"] = f"{1e3 * (motor.detected - motor.time):.0f} ms"
+            facts["Dead motor found after" if motor.kind == "dead" else "Fault found after"] = (
+                f"{1e3 * (motor.detected - motor.time):.0f} ms"
+            )
     return facts
