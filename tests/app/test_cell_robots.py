@@ -12,6 +12,7 @@ from holonom import load_arm
 from holonom.app.cell import load_cell
 from holonom.app.cell.build.job import refuse_unsimulated
 from holonom.app.cell.check import check_cell
+from holonom.app.report import Box
 from holonom.app.report.attachments import cell_facts
 from holonom.app.rig.wheel_frames import wheel_frames, wheel_poses
 from holonom.errors import CellError
@@ -188,15 +189,22 @@ def test_levels_that_are_slow_slow_the_law_down_and_say_so(tmp_path: Path) -> No
 def test_the_deck_covers_the_wheels_and_the_frame_on_it(kind: str, tmp_path: Path) -> None:
     job = built(write(tmp_path, base_text(kind)))
     base = job.bases[0]
-    deck = max(
-        (s for s in job.scene.shapes if s.frame in ("base_link", "body") and hasattr(s, "end")), key=lambda s: s.end[2]
-    )
-    middle = np.array(deck.end[:2])
-    assert base.frames["top"][2, 3] == pytest.approx(deck.end[2])
-    assert np.linalg.norm(middle) < deck.radius
-    assert all(np.hypot(*(middle - (w.x, w.y))) < deck.radius for w in base.base.wheels)
-    overview = job.scene.views[0]
-    assert np.linalg.norm(np.array(overview.eye) - overview.target) > 2.0 * deck.radius
+    own = [shape for shape in job.scene.shapes if shape.frame in ("base_link", "body")]
+    boxes = [shape for shape in own if isinstance(shape, Box)]
+    top, overview = base.frames["top"][2, 3], job.scene.views[0]
+    if len(boxes) > 1:  # a base that is longer than wide, and no mark alone
+        plate = boxes[1]
+        middle, half = plate.pose[:2, 3], 0.5 * np.array(plate.size[:2])
+        assert any(box.pose[2, 3] + 0.5 * box.size[2] == pytest.approx(top) for box in boxes)
+        assert all((np.abs(middle - (w.x, w.y)) <= half + 1e-9).all() for w in base.base.wheels)
+        size = float(half.max())
+    else:
+        deck = max((shape for shape in own if hasattr(shape, "end")), key=lambda shape: shape.end[2])
+        middle, size = np.array(deck.end[:2]), deck.radius
+        assert top == pytest.approx(deck.end[2])
+        assert all(np.hypot(*(middle - (w.x, w.y))) < size for w in base.base.wheels)
+    assert np.linalg.norm(middle) < size
+    assert np.linalg.norm(np.array(overview.eye) - overview.target) > 2.0 * size
 
 
 POSES = 'poses = [["0m", "0m", "0deg"], ["0m", "0.8m", "0deg"]], radius = "0.6m", '

@@ -13,6 +13,7 @@ from scipy.signal import cont2discrete
 
 from holonom.control import ServoAxis
 from holonom.control.base.kernels import (
+    BLIND,
     JAMMED,
     OPEN,
     WORKS,
@@ -79,8 +80,18 @@ def test_evidence_against_a_motor(measured: float, modelled: float, speed: float
 
 def test_evidence_for_a_motor_takes_it_back() -> None:
     before = Suspicion(0.01, 0.01, 0.0)
-    assert watch_step(WATCH, before, 1.0, 1.0, 50.0, 50.0) == pytest.approx((0.009, 0.0))
+    assert watch_step(WATCH, before, 1.0, 1.0, 50.0, 50.0) == pytest.approx((0.009, 0.0, 0.0))
     assert watch_step(WATCH, before, 0.0, 0.0, 50.0, 50.0) == before
+
+
+def test_a_motor_that_turns_and_is_not_counted() -> None:
+    """It stands by its encoder, and its back-emf leaves less current: neither a jam nor an open winding."""
+    seen, samples = Suspicion(0.0, 0.0, 0.0), 0
+    while watch_verdict(WATCH, seen) == WORKS:
+        seen = watch_step(WATCH, seen, 2.0, 8.0, 0.0, 50.0, False, 240.0)
+        samples += 1
+    assert watch_verdict(WATCH, seen) == BLIND
+    assert samples == pytest.approx(40, abs=1)
 
 
 @pytest.mark.parametrize(("current", "explained", "verdict", "time"), [
@@ -89,7 +100,7 @@ def test_evidence_for_a_motor_takes_it_back() -> None:
 ])  # fmt: skip
 def test_verdict_on_a_motor_that_stands(current: float, explained: bool, verdict: int, time: float) -> None:
     """Current tells an open winding from a jam; that takes longer where slip or little force may explain it."""
-    seen, samples = Suspicion(0.0, 0.0), 0
+    seen, samples = Suspicion(0.0, 0.0, 0.0), 0
     while watch_verdict(WATCH, seen) == WORKS:
         seen = watch_step(WATCH, seen, current, 4.0, 0.0, 50.0, explained)
         samples += 1

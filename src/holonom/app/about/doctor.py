@@ -55,6 +55,7 @@ EXTRAS: Mapping[str, Extra] = {
             "eaik": "eaik",
             "roboticstoolbox": "roboticstoolbox-python",
             "toppra": "toppra",
+            "mujoco": "mujoco",
         },
     ),
     "check": Extra(
