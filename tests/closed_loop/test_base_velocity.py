@@ -291,3 +291,22 @@ def test_what_is_too_sharp_is_driven_on_the_tightest_curve() -> None:
     reached = run(loop, (0.4, 0.0, 3.0), 2.0)[-1]
     assert reached[0] == pytest.approx(0.4, abs=0.03)
     assert reached[2] == pytest.approx(0.4 / base.turning_radius, rel=0.05)
+
+
+def test_it_turns_about_a_place_of_its_own() -> None:
+    """That place stays where it is, wherever on the base it lies; a place that is none is refused."""
+    loop, place = make("omni 4"), np.array([0.3, -0.1])
+
+    def there() -> np.ndarray:
+        x, y, theta = loop.plant.pose
+        c, s = np.cos(theta), np.sin(theta)
+        return np.array([x + c * place[0] - s * place[1], y + s * place[0] + c * place[1]])
+
+    start = there()
+    for _ in range(200):
+        loop.controller.follow_velocity((0.0, 0.0, 1.0), about=place)
+        loop.advance(10)
+    assert loop.plant.pose[2] > 1.5
+    assert np.hypot(*(there() - start)) < 0.03
+    with pytest.raises(ShapeError, match="about"):
+        loop.controller.follow_velocity((0.0, 0.0, 1.0), about=(np.nan, 0.0))

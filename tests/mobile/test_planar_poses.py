@@ -17,6 +17,7 @@ from holonom.mobile.poses import (
     logarithm,
     moved,
     relative,
+    twist_at,
     twist_in_robot,
     twist_in_world,
     wrapped,
@@ -114,3 +115,21 @@ def test_wrapped_angles(angle):
     np.testing.assert_allclose(np.exp(1j * found), np.exp(1j * angle), atol=1e-13)
     assert wrapped(np.pi) == np.pi
     assert wrapped(-np.pi) == np.pi
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+def test_twist_of_another_point(seed):
+    """By small motions of the body; there and back; the centre of rotation stands still."""
+    rng = np.random.default_rng(seed)
+    twist, point = rng.normal(size=3), rng.normal(size=2)
+    found = twist_at(twist, point)
+    dt = 1e-7
+    x, y, turn = moved(np.zeros(3), twist, dt)
+    c, s = np.cos(turn), np.sin(turn)
+    there = np.array([x + c * point[0] - s * point[1], y + s * point[0] + c * point[1]])
+    assert np.allclose((there - point) / dt, found[:2], atol=1e-5)
+    assert found[2] == twist[2]
+    assert np.allclose(twist_at(found, -point), twist)
+    centre = np.array([-twist[1], twist[0]]) / twist[2]
+    assert np.allclose(twist_at(twist, centre)[:2], 0.0, atol=1e-9)
+    assert twist_at(np.zeros((4, 3)), point).shape == (4, 3)

@@ -13,8 +13,17 @@ from holonom.arrays import Array, finite, vectors
 from holonom.errors import ShapeError
 
 __all__ = [
-    "compose", "exponential", "integrated", "inverse", "logarithm", "moved", "relative", "twist_in_robot",
-    "twist_in_world", "wrapped",
+    "compose",
+    "exponential",
+    "integrated",
+    "inverse",
+    "logarithm",
+    "moved",
+    "relative",
+    "twist_at",
+    "twist_in_robot",
+    "twist_in_world",
+    "wrapped",
 ]  # fmt: skip
 
 
@@ -103,6 +112,16 @@ def twist_in_robot(twist: ArrayLike, heading: ArrayLike) -> Array:
 def twist_in_world(twist: ArrayLike, heading: ArrayLike) -> Array:
     """Twist (..., 3) along the world's axes of one given in base_link: rates of x, y and theta."""
     return twist_in_robot(twist, -finite("heading", heading))
+
+
+def twist_at(twist: ArrayLike, point: ArrayLike) -> Array:
+    """Twist (..., 3) of a point (..., 2), m in base_link, of a body whose origin moves with a twist: `v + w x r`.
+
+    The other way about, the origin's twist by that of the point, with the point at the opposite sign.
+    """
+    xi, r = vectors("twist", twist, 3), vectors("point", point, 2)
+    vx, vy, w = np.moveaxis(xi, -1, 0)
+    return np.stack(np.broadcast_arrays(vx - w * r[..., 1], vy + w * r[..., 0], w), axis=-1)
 
 
 def wrapped(angle: ArrayLike) -> Array:

@@ -197,21 +197,31 @@ class BaseController:
             self._planner.plan_into(memory, self.task.path, float(state["phase"]), pose, before)
         return int(memory[LEFT])
 
-    def follow_velocity(self, twist: Sequence[float] | Array) -> None:
+    def follow_velocity(self, twist: Sequence[float] | Array, about: Sequence[float] | Array = (0.0, 0.0)) -> None:
         """Follow a twist (3,) in base_link, m/s and rad/s, until the next one or until it is too old.
 
         It is taken to the nearest one that the wheels can drive, within the limits of `ShapingSettings`.
 
+        Parameters
+        ----------
+        twist : of the place `about`.
+        about : (x, y), m in base_link: what is to move so, and what the base turns about without any speed.
+
         Raises
         ------
         ShapeError
-            Not three finite numbers; what was asked for before goes on.
+            Not three finite numbers, or no place; what was asked for before goes on.
         """
         state = self.state
         vx, vy, w = _three(twist)
-        finite = math.isfinite(vx + vy + w)
+        x, y, _ = _three((*about, 0.0))
+        finite = math.isfinite(vx + vy + w) and math.isfinite(x + y)
         if not finite:
-            raise ShapeError(f"a twist is {twist!r}; it must be three finite numbers: vx, vy in m/s, w in rad/s")
+            raise ShapeError(
+                f"a twist is {twist!r} about {about!r}; it must be three finite numbers, vx, vy in m/s, w in rad/s, and "
+                "a place, two in m"
+            )
+        vx, vy = vx + w * y, vy - w * x  # of base_link (`poses.twist_at`)
         if state["mode"][0] != VELOCITY:
             self._do(VELOCITY)
         state["wanted_vx"], state["wanted_vy"], state["wanted_w"], state["age"] = vx, vy, w, 0

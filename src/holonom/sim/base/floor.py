@@ -3,14 +3,27 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from holonom.errors import OutOfLimits
+from holonom.arrays import is_finite, shown
+from holonom.errors import OutOfLimits, UnknownName
 
-__all__ = ["CARPET", "ICE", "Floor", "Material", "RectangularPatch", "RoundPatch", "Step", "floor_table", "step_table"]
+__all__ = [
+    "CARPET",
+    "ICE",
+    "Floor",
+    "Material",
+    "RectangularPatch",
+    "RoundPatch",
+    "Step",
+    "floor_table",
+    "step_table",
+    "wheel_grips",
+]
 
 MATERIAL = np.dtype([("stiffness", np.float64), ("shape", np.float64), ("peak", np.float64)])
 """B (s/m), C, D of the magic formula."""
@@ -194,3 +207,20 @@ def _positive(owner: str, **sizes: float) -> None:
     for name, value in sizes.items():
         if not 0.0 < value < math.inf:
             raise OutOfLimits(f"{owner}: {name} is {value!r} m; it must be finite and greater than 0")
+
+
+def wheel_grips(names: Sequence[str], stated: Mapping[str, float]) -> list[float]:
+    """Friction of each wheel over that of the floor.
+
+    Raises
+    ------
+    UnknownName, OutOfLimits
+    """
+    for name, grip in stated.items():
+        if name not in names:
+            raise UnknownName("wheel", name, names)
+        if not (is_finite(grip) and grip > 0.0):
+            raise OutOfLimits(
+                f"grips: {name!r} has {shown(grip)}; a number above 0 is needed, 1 is the floor's friction"
+            )
+    return [float(stated.get(name, 1.0)) for name in names]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
@@ -17,7 +17,7 @@ from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.drive.base_drive import BaseDrive, BaseSensors
 from holonom.sim.base.balancing import axle_of, kinetic_energy
 from holonom.sim.base.bodies import bodies_of
-from holonom.sim.base.floor import Floor, floor_table, step_table
+from holonom.sim.base.floor import Floor, floor_table, step_table, wheel_grips
 from holonom.sim.base.kernels import BLOCKED, DEAD, FROZEN, OFF, STUCK
 from holonom.sim.base.log import BaseTruth, truth_of
 from holonom.sim.base.log_kernels import drive_open
@@ -87,6 +87,8 @@ class BasePlant:
         Steps of the plant per millisecond; None: 2, 4 where wheels steer, trail or skid, 8 where the body balances.
     ideal
         Wheels turn as they are told and never slip: no motors, no floor.
+    grips
+        Name of a wheel -> its friction over that of the floor's material: worn or soft tyres; 1 unless given.
 
     Raises
     ------
@@ -109,6 +111,7 @@ class BasePlant:
         rng: np.random.Generator | None = None,
         substeps: int | None = None,
         ideal: bool = False,
+        grips: Mapping[str, float] | None = None,
     ) -> None:
         quick = all(wheel.kind in ("swedish", "fixed", "spherical", "ball") for wheel in base.wheels)
         usual = 8 if base.balances else 2 if quick else 4
@@ -139,7 +142,8 @@ class BasePlant:
         self.state = aligned_records(np.zeros(1, BODY_STATE), BODY_STATE)
         states = np.zeros(len(self.lanes), WHEEL_STATE)
         states["conducts"] = [lane.wheel.driven for lane in self.lanes]
-        states["free"] = states["counts"] = states["grips"] = 1.0
+        states["free"] = states["counts"] = 1.0
+        states["grips"] = wheel_grips([lane.wheel.name for lane in self.lanes], grips or {})
         self.states = side_by_side(states, conducts=0.0)
         lanes = WIDTH * len(self.states)
         zeros = [np.zeros(lanes) for _ in range(4)]

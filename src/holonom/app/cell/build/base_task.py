@@ -86,7 +86,7 @@ def base_task(robot: Robot) -> Task:
         tolerance = PathTolerance(table.position_tolerance or beside(path.pose), table.heading_tolerance)
         return dataclasses.replace(found, path=path, tolerance=tolerance)
     if robot.velocity is not None:
-        rows = np.array([[step.at, step.vx, step.vy, step.w] for step in robot.velocity])
+        rows = np.array([[step.at, *step.twist] for step in robot.velocity])
         lasting = np.diff(rows[:, 0], append=rows[-1, 0])
         turns = np.ceil(np.abs(lasting * rows[:, 3]) / CORNER).astype(int) + 1
         steps = np.repeat(lasting[:, None] * rows[:, 1:] / turns[:, None], turns, axis=0)

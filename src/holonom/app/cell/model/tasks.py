@@ -127,6 +127,14 @@ class TwistTable(Section):
     """to the left"""
     w: Annotated[float, Quantity("angular speed", "-3600deg/s", "3600deg/s")] = 0.0
     """turning, counter-clockwise"""
+    about: Vector2 = (0.0, 0.0)
+    """the place on the base that is to move so, and that it turns about where it has no speed"""
+
+    @property
+    def twist(self) -> tuple[float, float, float]:
+        """Of base_link, m/s and rad/s."""
+        x, y = self.about
+        return self.vx + self.w * y, self.vy - self.w * x, self.w
 
 
 class StartTable(Section):
