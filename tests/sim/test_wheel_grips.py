@@ -25,7 +25,7 @@ def test_a_worn_tyre_holds_less_on_every_floor() -> None:
     for floor, peak in ((Floor(FLOOR), 0.8), (Floor(FLOOR, (ice,)), ICE.peak)):
         plant = BasePlant(BASE, DRIVE, floor, grips={"left": 0.5})
         log = plant.drive_open(np.tile([20.0, 20.0], (100, 1)))
-        left, right = (log.friction_limits / log.loads)[50]
+        left, right = log.friction_limits[50] / log.loads[50]
         assert (left, right) == (pytest.approx(0.5 * peak), pytest.approx(peak))
     assert log.pose[-1, 2] > 1e-3
 

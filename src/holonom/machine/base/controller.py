@@ -218,8 +218,8 @@ class BaseController:
         finite = math.isfinite(vx + vy + w) and math.isfinite(x + y)
         if not finite:
             raise ShapeError(
-                f"a twist is {twist!r} about {about!r}; it must be three finite numbers, vx, vy in m/s, w in rad/s, and "
-                "a place, two in m"
+                f"a twist is {twist!r} about {about!r}; it must be three finite numbers, vx, vy in m/s, w in rad/s, "
+                "and a place, two in m"
             )
         vx, vy = vx + w * y, vy - w * x  # of base_link (`poses.twist_at`)
         if state["mode"][0] != VELOCITY:
