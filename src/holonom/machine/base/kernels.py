@@ -129,8 +129,9 @@ def control_step(
     _learn_slope(base, work.rims, len(work.rows))
     detect_slip(params, base, work)
     check_inertia(params.check, base, work)
-    watch_steering(params.steered, base, signals, work.held)
-    watch_pushes(params.check, base, wheels, states, len(work.rows))
+    if params.compensate:
+        watch_steering(params.steered, base, signals, work.held)
+        watch_pushes(params.check, base, wheels, states, len(work.rows))
     _react(params, task.path, base, signals, wheels, states, work)
     change = max(min((base.goal - base.rate) / params.keeping.dt, params.rate_change), -params.rate_change)
     twist = _estimate(params.estimate, work.estimate_rows, base, work)
