@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
 
 from holonom.control.balance.contract import BalanceLaw, Pendulum
 from holonom.control.balance.kernels import BalanceGains
-from holonom.registry import Method, check_fields, parameter
+from holonom.registry import Method, parameter
 
 __all__ = ["CASCADE", "CascadeBalance"]
 
@@ -39,20 +38,6 @@ class CascadeBalance(BalanceLaw):
     integral_time: float = parameter(
         5.0, meaning="T of the outer loop, in parts of the body's time", unit="", above=0.0
     )
-    max_lean: float = parameter(
-        0.25, meaning="largest pitch that the outer loop asks for", unit="rad", above=0.0, most=1.0
-    )
-    max_place: float = parameter(1.0, meaning="largest error of place that counts", unit="m", above=0.0)
-    trim_time: float = parameter(
-        30.0,
-        meaning="in which slopes and payloads are learnt, in parts of its time",
-        unit="",
-        above=0.0,
-        most=inf,
-    )
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     def gains(self, body: Pendulum) -> BalanceGains:
         """Gains of `balance_step` for a body."""

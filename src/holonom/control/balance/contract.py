@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
@@ -89,8 +90,26 @@ class Pendulum:
         return A, B
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
 class BalanceLaw(ABC):
-    """A law with its settings: frozen dataclasses with fields made by `parameter`."""
+    """A law with its settings: frozen dataclasses with fields made by `parameter`; what all of them have.
+
+    Raises
+    ------
+    OutOfLimits
+        A number outside its range.
+    """
+
+    max_lean: float = parameter(
+        0.25, meaning="largest lean that errors of speed and place ask for", unit="rad", above=0.0, most=1.0
+    )
+    max_place: float = parameter(1.0, meaning="largest error of place that counts", unit="m", above=0.0)
+    trim_time: float = parameter(
+        30.0, meaning="in which slopes and payloads are learnt, in parts of its time", unit="", above=0.0, most=inf
+    )
+
+    def __post_init__(self) -> None:
+        check_fields(self)
 
     @abstractmethod
     def gains(self, body: Pendulum) -> BalanceGains:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import inf
 
 import numpy as np
 
 from holonom.control.balance.contract import BalanceLaw, Pendulum
 from holonom.control.balance.kernels import BalanceGains
 from holonom.model.gravity import GRAVITY
-from holonom.registry import Method, check_fields, parameter
+from holonom.registry import Method, parameter
 
 __all__ = ["LQR", "LqrBalance"]
 
@@ -36,20 +35,6 @@ class LqrBalance(BalanceLaw):
     error_speed: float = parameter(0.3, meaning="speed", unit="m/s", above=0.0)
     error_place: float = parameter(0.1, meaning="place along the way", unit="m", above=0.0)
     effort: float = parameter(0.1, meaning="force, in parts of gravity on what rolls", unit="", above=0.0)
-    max_lean: float = parameter(
-        0.25, meaning="largest lean that errors of speed and place ask for", unit="rad", above=0.0, most=1.0
-    )
-    max_place: float = parameter(1.0, meaning="largest error of place that counts", unit="m", above=0.0)
-    trim_time: float = parameter(
-        30.0,
-        meaning="in which slopes and payloads are learnt, in parts of its time",
-        unit="",
-        above=0.0,
-        most=inf,
-    )
-
-    def __post_init__(self) -> None:
-        check_fields(self)
 
     def gains(self, body: Pendulum) -> BalanceGains:
         """Gains of `balance_step` for a body."""
