@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from demo_cell import ARM, HOME, make_loop, stand
@@ -9,6 +11,8 @@ from demo_cell import ARM, HOME, make_loop, stand
 from holonom.closed_loop import ArmLoop
 from holonom.errors import DriveFault, UnknownName
 from holonom.machine import CONTROLLERS, ControlSettings
+from holonom.machine.arm.servos import ArmServos
+from holonom.mechanics import Arm
 from holonom.sim import Ground
 
 JOINTS = ARM.model.joints
@@ -92,7 +96,7 @@ def test_a_following_error_trips_the_axis(axis: int) -> None:
 def test_the_same_inputs_give_the_same_bits() -> None:
     a, b = make_loop(), make_loop()
     rng = np.random.default_rng(5)
-    for amplitude in 0.02 * rng.standard_normal((20, 6)):
+    for amplitude in 0.01 * rng.standard_normal((20, 6)):
         s = np.linspace(0.0, np.pi, 50)[:, None]
         reference = np.stack([HOME + amplitude * (1 - np.cos(2 * s)) / 2, 0 * s + 0 * HOME, 0 * s + 0 * HOME])
         a.advance(reference)
@@ -156,3 +160,13 @@ def test_peaks_are_those_of_the_run() -> None:
     assert loop.plant.states["peak_speed"][0] == pytest.approx(0.8, rel=0.02)
     assert loop.plant.q[0] == pytest.approx(HOME[0] + 0.2, abs=2e-3)
     assert loop.plant.states["peak_voltage"][0] <= JOINTS[0].motor.max_voltage
+
+
+def test_what_the_design_of_the_servos_does_not_reach_is_said() -> None:
+    assert make_loop().warnings == []
+    motor = dataclasses.replace(JOINTS[2].motor, inductance=1e-4)
+    joints = [*JOINTS[:2], dataclasses.replace(JOINTS[2], motor=motor), *JOINTS[3:]]
+    arm = Arm(dataclasses.replace(ARM.model, joints=tuple(joints)))
+    (warning,) = ArmServos(arm, HOME).warnings
+    assert warning.startswith(f"joint {JOINTS[2].name!r}: the current loop samples every 0.0001 s")
+    assert "L/R is only 4.76e-05 s" in warning

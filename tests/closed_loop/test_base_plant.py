@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from simulated_bases import BASES, DRIVE, LOSSLESS, soccer
 
-from holonom.devices.kernels import friction_torque
+from holonom.devices.kernels import stiction_step
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile import Wheel, WheelBase
 from holonom.mobile.arrangements import omni
@@ -224,15 +224,16 @@ def test_slip_curve(peak: float, part: float, at: float) -> None:
     assert slip_friction(record, 2.0 * at)[1] == 0.0
 
 
-@given(speed=st.floats(-500, 500))
-def test_motor_friction_is_the_devices(speed: float) -> None:
-    params = DRIVE.friction.params(2.0)
-    torque, slope = _friction(params, speed)
-    assert torque == pytest.approx(friction_torque(params, speed), rel=1e-12, abs=1e-18)
-    d = 1e-4
-    if abs(speed) > 2 * d:
-        by_difference = (friction_torque(params, speed + d) - friction_torque(params, speed - d)) / (2 * d)
-        assert slope == pytest.approx(by_difference, rel=1e-4, abs=1e-9)
+@given(speed=st.floats(-500, 500), part=st.floats(-1.0, 1.0))
+def test_motor_friction_is_the_devices(speed: float, part: float) -> None:
+    params = DRIVE.friction.stiction(DRIVE.motor.rotor_inertia, 1e-3)
+    held = part * params.coulomb_positive
+    own = np.array([(held,)], dtype=[("held", float)])[0]
+    torque, slope = _friction(params, own, speed)
+    expected, held_after = stiction_step(params, held, speed)
+    assert (torque, own["held"]) == pytest.approx((expected, held_after), rel=1e-12, abs=1e-18)
+    held_by_stop = -params.coulomb_negative < torque - params.viscous * speed < params.coulomb_positive
+    assert slope == pytest.approx(params.viscous + (params.winding if held_by_stop else 0.0), rel=1e-9)
 
 
 @given(seed=st.integers(0, 10**6))

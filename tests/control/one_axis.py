@@ -24,17 +24,17 @@ from holonom.devices import (
     Encoder,
     EncoderParams,
     Friction,
-    FrictionParams,
     Gear,
     GearParams,
+    StictionParams,
     TrackingParams,
     TrackingState,
     armature_step,
     count_angle,
     encoder_counter,
     extend_counter,
-    friction_torque,
     gear_torque,
+    stiction_step,
     tracking_params,
     tracking_step,
 )
@@ -58,7 +58,7 @@ SUPPLY = 40.0
 
 class Axis(NamedTuple):
     armature: ArmatureParams
-    friction: FrictionParams
+    friction: StictionParams
     gear: GearParams
     encoder: EncoderParams
     tracking: TrackingParams
@@ -110,10 +110,9 @@ def puma_axis(number: int, *, friction: bool = True, counts: int | None = None) 
         )
     )
     rubbing = Friction(VISCOUS[k], *COULOMB[k]) if friction else Friction()
-    smoothing = max(2.0 * rubbing.smallest_smoothing(inertia, DT), 1e-6)
     axis = Axis(
         armature=motor.armature(DT),
-        friction=rubbing.params(smoothing),
+        friction=rubbing.stiction(inertia, DT),
         gear=Gear(RATIO[k]).params(),
         encoder=Encoder(counts).params(),
         tracking=tracking_params(gains.observer_bandwidth, DT),
@@ -150,6 +149,7 @@ def _loop(axis, q_ref, qd_ref, qdd_ref, loads, inner, out):
     q = q_ref[0]
     qd = 0.0
     current = 0.0
+    held = 0.0
     voltage_integral = 0.0
     current_integral = 0.0
     total = np.int64(math.floor(nu * q * axis.encoder.counts_per_rad))
@@ -168,7 +168,8 @@ def _loop(axis, q_ref, qd_ref, qdd_ref, loads, inner, out):
         voltage, voltage_integral = current_step(axis.current, voltage_integral, reference, current, shaft.speed)
         current_after = armature_step(axis.armature, current, voltage, nu * qd)
         mean = 0.5 * (current + current_after)
-        shaft_torque = axis.torque_constant * mean - friction_torque(axis.friction, nu * qd)
+        rubbed, held = stiction_step(axis.friction, held, nu * qd)
+        shaft_torque = axis.torque_constant * mean - rubbed
         qdd = (gear_torque(axis.gear, shaft_torque, nu * qd) - loads[k]) / axis.inertia
         shaft = tracking_step(axis.tracking, shaft, angle, axis.torque_constant * current / axis.assumed_inertia)
         out[0, tick] = q

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from one_axis import COUNTS, INERTIA, RATIO, SPEED, TORQUE, VISCOUS, puma_axis, simulate, trapezoid
 
-from holonom.control import PositionParams, position_step
+from holonom.control import PositionParams, position_step, speed_step
 
 axes = pytest.mark.parametrize("number", range(1, 7))
 COUNT = tuple(2.0 * math.pi / n / abs(ratio) for n, ratio in zip(COUNTS, RATIO, strict=True))
@@ -85,6 +85,28 @@ def test_saturated_current_does_not_wind_the_speed_loop_up() -> None:
     assert (run.current_reference == -gains.speed.max_current).sum() > 300  # joint 1 turns against its motor
     assert run.qd.max() < 1.02 * wanted
     assert run.qd[-500:].mean() == pytest.approx(wanted, rel=2e-3)
+
+
+@pytest.mark.parametrize("delay", [0, 1])
+def test_one_wrong_speed_reading_costs_no_more_than_its_sample(delay: int) -> None:
+    """Of the Puma's waist (3.5 kg m2): 40 rad/s off once; then a step to 80 rad/s. Trial of `open_cases.json`."""
+    axis, gains = puma_axis(1)
+    per_ampere = gains.times.speed * axis.torque_constant / axis.assumed_inertia
+
+    def speeds(reference: float, off: float) -> np.ndarray:
+        speed, integral, seen = 0.0, 0.0, []
+        waiting = [0.0] * delay
+        for k in range(4000):
+            current, integral = speed_step(gains.speed, integral, reference, speed + off * (k == 10), 0.0)
+            waiting.append(current)
+            speed += per_ampere * waiting.pop(0)
+            seen.append(speed)
+        return np.array(seen)
+
+    spike = speeds(0.0, -40.0)
+    assert spike.max() == pytest.approx(per_ampere * gains.speed.max_current)  # one sample of full current: 0.87 rad/s
+    assert spike.min() > -0.3
+    assert speeds(80.0, 0.0).max() < 1.02 * 80.0
 
 
 def test_saturated_voltage_does_not_wind_the_speed_loop_up() -> None:

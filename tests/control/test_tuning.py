@@ -7,10 +7,13 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from one_axis import puma_axis
 from scipy import signal
 
-from holonom.control import CascadeGains, SampleTimes, ServoAxis, design_cascade
+from holonom.control import CascadeGains, SampleTimes, ServoAxis, design_cascade, tuning
+from holonom.control.margins import margin_of
 from holonom.errors import ModelError, OutOfLimits
 
 AXIS = ServoAxis(
@@ -87,6 +90,49 @@ def test_faster_sampling_gives_faster_loops() -> None:
     slow, fast = design_cascade(AXIS), design_cascade(AXIS, times=SampleTimes(5e-5, 2.5e-4, 5e-4))
     assert fast.current.gain == pytest.approx(2.0 * slow.current.gain)
     assert fast.speed.gain > slow.speed.gain
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+@settings(max_examples=60, deadline=None)
+def test_a_design_of_any_axis_keeps_its_margins_at_any_sample_times(seed: int) -> None:
+    """Friction that is large against the inertia included: the zero then cancels the lag J / B."""
+    rng = np.random.default_rng(seed)
+
+    def between(low: float, high: float) -> float:
+        return float(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+    axis = ServoAxis(
+        resistance=between(0.05, 20.0), inductance=between(1e-5, 2e-2), torque_constant=between(5e-3, 2.0),
+        back_emf_constant=between(5e-3, 2.0), inertia=between(1e-7, 0.1), max_voltage=48.0,
+        max_current=between(0.5, 50.0), max_speed=300.0, counts_per_rev=between(100.0, 1e6),
+        viscous=between(1e-7, 10.0),
+    )  # fmt: skip
+    step = between(2e-5, 1e-3)
+    times = SampleTimes(step, step * int(rng.integers(1, 10)), step * int(rng.integers(10, 30)))
+    gains = design_cascade(axis, times=times)
+    for name, least in (("current", 59.0), ("speed", 50.0), ("position", 60.0)):
+        margin = getattr(gains, f"{name}_margin")
+        assert math.degrees(margin.phase_margin) > least
+        assert margin.gain_margin > 2.5
+    too_slow = step > axis.inductance / axis.resistance
+    assert [w.name for w in gains.warnings] == ["sample_time"] * too_slow
+
+
+def test_a_margin_that_is_not_reached_is_said_with_its_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(tuning.LEAST_MARGINS, "speed", 80.0)
+    (warning,) = design_cascade(AXIS).warnings
+    assert warning.name == "speed_phase_margin"
+    assert warning.value == pytest.approx(54.5, abs=0.1)
+    assert warning.text.startswith("the speed loop keeps 54.5 deg of phase at 318.8 rad/s; 80 are wanted")
+
+
+def test_a_loop_that_would_be_unstable_is_refused() -> None:
+    integrator = margin_of("some", lambda s: 100.0 / s * np.exp(-1.5e-3 * s), 1e-3)
+    assert integrator.crossover == pytest.approx(100.0, rel=1e-4)
+    assert integrator.phase_margin == pytest.approx(math.pi / 2 - 0.15, abs=1e-4)
+    assert integrator.gain_margin == pytest.approx(math.pi / 2 / 0.15, rel=1e-3)
+    with pytest.raises(OutOfLimits, match="the some loop is unstable at a sample time"):
+        margin_of("some", lambda s: 1100.0 / s * np.exp(-1.5e-3 * s), 1e-3)
 
 
 def test_options() -> None:

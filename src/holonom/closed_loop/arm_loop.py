@@ -75,6 +75,11 @@ class ArmLoop:
         self._pressing = 0.0
 
     @property
+    def warnings(self) -> list[str]:
+        """What the design of its servos does not reach."""
+        return self.servos.warnings
+
+    @property
     def tick(self) -> float:
         """Sample time of a reference, s."""
         return self.settings.levels.servo

@@ -57,6 +57,11 @@ class IdealArm:
         self._limits = [_axis_limits(arm.model, i, settings) for i in arm.model.independent]
 
     @property
+    def warnings(self) -> list[str]:
+        """None: it has no servos."""
+        return []
+
+    @property
     def tick(self) -> float:
         """Sample time of a reference, s."""
         return self.settings.levels.servo

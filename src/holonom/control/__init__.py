@@ -57,10 +57,11 @@ from holonom.control.kernels import (
     torque_to_current,
 )
 from holonom.control.limits import AxisLimits, Violation, drive_fault
+from holonom.control.margins import LoopMargin
 from holonom.control.methods import BASE_CONTROLLERS, CONTROLLERS, CascadeSettings, ComputedTorqueSettings
 from holonom.control.path_laws.contract import PathLaw
 from holonom.control.path_laws.methods import PATH_LAWS
-from holonom.control.tuning import CascadeGains, LoopMargin, SampleTimes, ServoAxis, design_cascade
+from holonom.control.tuning import CascadeGains, DesignWarning, SampleTimes, ServoAxis, design_cascade
 
 __all__ = [
     "BALANCE_LAWS",
@@ -74,6 +75,7 @@ __all__ = [
     "CascadeSettings",
     "ComputedTorqueSettings",
     "CurrentParams",
+    "DesignWarning",
     "EstimateSettings",
     "KeepingSettings",
     "LimitParams",

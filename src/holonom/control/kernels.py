@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from holonom.trace.code.compiled import select
 from holonom.trace.code.loops import loop
 
 __all__ = [
@@ -30,11 +31,10 @@ __all__ = [
 
 
 class PiParams(NamedTuple):
-    """PI regulator: `K_c`, `K_i = K_c T_s / T_i`, tracking gain g in (0, 1]."""
+    """PI regulator: `K_c`, `K_i = K_c T_s / T_i`."""
 
     gain: float
     integral_gain: float
-    tracking: float
 
 
 class CurrentParams(NamedTuple):
@@ -42,7 +42,6 @@ class CurrentParams(NamedTuple):
 
     gain: float
     integral_gain: float
-    tracking: float
     max_voltage: float
     back_emf: float
 
@@ -52,7 +51,6 @@ class SpeedParams(NamedTuple):
 
     gain: float
     integral_gain: float
-    tracking: float
     max_current: float
     max_voltage: float
     back_emf: float
@@ -90,15 +88,16 @@ class LimitParams(NamedTuple):
 def pi_step(
     params: PiParams, integral: float, error: float, feedforward: float, low: float, high: float
 ) -> tuple[float, float]:
-    """PI with integrator reset (spec 04.1): output in [low, high] and the next integral.
+    """PI with conditional integration (spec 04.1): output in [low, high] and the next integral.
 
-    `i += K_i e; v = K_c e + i + ff; u = clip(v); i += g (u - v)`: what was clipped is taken out of the
-    integral, so it never holds more than the limits can use.
+    `v = K_c e + i + K_i e + ff; u = clip(v)`: the integral takes `K_i e` unless the output is at a limit and the error
+    pushes it further. It neither winds up nor recoils: a single wrong reading leaves the integral as it was, where
+    integrator reset throws the output to the other limit (spec 04.5).
     """
-    integral += params.integral_gain * error
-    wanted = params.gain * error + integral + feedforward
+    grown = integral + params.integral_gain * error
+    wanted = params.gain * error + grown + feedforward
     output = min(max(wanted, low), high)
-    return output, integral + params.tracking * (output - wanted)
+    return output, select((wanted - output) * error > 0.0, integral, grown)
 
 
 @loop
@@ -112,7 +111,7 @@ def current_step(
     params: CurrentParams, integral: float, reference: float, current: float, speed: float
 ) -> tuple[float, float]:
     """Voltage (V) within the supply, and the next integral (V), from currents (A) and motor speed (rad/s)."""
-    pi = PiParams(params.gain, params.integral_gain, params.tracking)
+    pi = PiParams(params.gain, params.integral_gain)
     ahead = params.back_emf * speed
     return pi_step(pi, integral, reference - current, ahead, -params.max_voltage, params.max_voltage)
 
@@ -127,7 +126,7 @@ def speed_step(
     the current limit and within what the supply can drive against the back-emf at this speed, so that a
     voltage limit does not wind the speed loop up either.
     """
-    pi = PiParams(params.gain, params.integral_gain, params.tracking)
+    pi = PiParams(params.gain, params.integral_gain)
     emf = params.back_emf * speed
     limit = params.max_current
     high = max(min(limit, params.conductance * (params.max_voltage - emf)), -limit)
@@ -165,13 +164,13 @@ def acceleration_step(
     """Joint acceleration (rad/s^2) for the inverse dynamics, and the next integral (rad/s^2); spec 04.4.
 
     `u = qdd_ref + k_v (qd_ref - qd) + k_p (q_ref - q) + k_i integral`, errors as reference minus measured
-    (rad, rad/s). The correction is clipped and the integral tracks the clipped one; while the drive of the
-    axis is `saturated` the integral stands still.
+    (rad, rad/s). The correction is clipped; the integral stands still while that is so and the position error pushes it
+    further, and while the drive of the axis is `saturated`.
     """
     grown = integral if saturated else integral + params.integral_gain * position_error
     wanted = params.speed_gain * speed_error + params.position_gain * position_error + grown
     correction = min(max(wanted, -params.max_correction), params.max_correction)
-    return acceleration + correction, grown + (correction - wanted)
+    return acceleration + correction, integral if (wanted - correction) * position_error > 0.0 else grown
 
 
 @loop

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
-import cmath
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, fields
 
+import numpy as np
+
+from holonom.arrays import Array
 from holonom.control.kernels import CurrentParams, PositionParams, SpeedParams
+from holonom.control.margins import LoopMargin, margin_of
 from holonom.errors import ModelError, OutOfLimits
 
-__all__ = ["CascadeGains", "LoopMargin", "SampleTimes", "ServoAxis", "design_cascade"]
+__all__ = ["CascadeGains", "DesignWarning", "SampleTimes", "ServoAxis", "design_cascade"]
 
 LOOP_DELAY = 1.5  # sample periods: half of one for the hold, one for computing, as a digital drive has them
 CURRENT_MARGIN = math.radians(60.0)
 SPEED_RATIO = 10.0  # T_i / T_V' of the speed loop: phase margin atan(sqrt 10) - atan(1 / sqrt 10) = 55 deg
 POSITION_RATIO = 8.0  # crossover of the speed loop over the position gain
+POSITION_SAMPLES = 0.2  # position gain times its sample time, at most: 17 deg of phase
 OBSERVER_RATIO = 2.0  # bandwidth of the speed observer over the crossover of the speed loop
 COUNT_RIPPLE = 0.2  # current that one count of position error may cost, as a part of the current limit
+LEAST_MARGINS = {"current": 50.0, "speed": 45.0, "position": 60.0}  # deg, below which a design says so
+LEAST_GAIN_MARGIN = 2.0
 COUNT_PEAK = 0.8  # speed that one count costs a third-order tracking loop, in counts times its bandwidth
 
 
@@ -88,11 +93,13 @@ class SampleTimes:
 
 
 @dataclass(frozen=True, slots=True)
-class LoopMargin:
-    """Crossover frequency (rad/s) and phase margin (rad) of an open loop."""
+class DesignWarning:
+    """What a design does not reach: a name, a sentence, the number that is and the one that is wanted."""
 
-    crossover: float
-    phase_margin: float
+    name: str
+    text: str
+    value: float
+    wanted: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,6 +116,8 @@ class CascadeGains:
         Computed with the delays of sampling and of the inner loops.
     speed_limited_by
         "sample time" or "encoder resolution": what kept the speed loop from being faster.
+    warnings
+        Margins that are not reached, and assumptions that do not hold.
     """
 
     current: CurrentParams
@@ -120,6 +129,7 @@ class CascadeGains:
     speed_margin: LoopMargin
     position_margin: LoopMargin
     speed_limited_by: str
+    warnings: tuple[DesignWarning, ...] = ()
 
 
 def design_cascade(
@@ -134,9 +144,13 @@ def design_cascade(
     - Current: PI, zero on the electrical time constant, so that the loop is `K_c / (s L)` with a delay of 1.5
       sample times; its crossover is where 60 degrees of phase margin are left (556 Hz at 10 kHz).
     - Speed: PI with `T_i = 10 T_V'` about the small lags `T_V'` (current loop, sampling), crossover at
-      `1 / sqrt(T_i T_V')`: 55 degrees (about 50 Hz at 2 kHz). Slower where one encoder count would otherwise cost
-      more than a fifth of the current limit.
-    - Position: P, slow against the speed loop, so that its step does not overshoot; speed as feed-forward.
+      `1 / sqrt(T_i T_V')`: 55 degrees (about 50 Hz at 2 kHz); `T_i = J / B` where viscous friction makes that the
+      shorter one, so that the zero cancels the lag. Slower where one encoder count would otherwise cost more than a
+      fifth of the current limit.
+    - Position: P, slow against the speed loop, and against its sampling, so that its step does not
+      overshoot; speed as feed-forward.
+
+    The margins that come out are looked at: what is not reached is among the `warnings`.
 
     Parameters
     ----------
@@ -153,44 +167,90 @@ def design_cascade(
     Raises
     ------
     OutOfLimits
-        A `max_braking` that is not positive.
+        A `max_braking` that is not positive; a loop that comes out unstable.
     """
     if max_braking is not None and not max_braking > 0.0:
         raise OutOfLimits(f"design_cascade: max_braking is {max_braking!r}; it must be greater than 0 rad/s^2")
     times = times or SampleTimes()
     current = _design_current(axis, times.current, feed_back_emf)
     speed, observer, limited_by = _design_speed(axis, times, current)
-    crossover = speed.gain * axis.torque_constant / axis.inertia
     torque_limit = axis.torque_constant * axis.max_current
+
+    def current_loop(s: Array) -> Array:
+        pi = current.gain + current.integral_gain / (s * times.current)
+        return pi / (axis.resistance + s * axis.inductance) * np.exp(-LOOP_DELAY * times.current * s)
+
+    def speed_loop(s: Array) -> Array:
+        pi = speed.gain + speed.integral_gain / (s * times.speed)
+        plant = axis.torque_constant / (axis.viscous + s * axis.inertia)
+        return pi * plant * _closed(current_loop(s)) * np.exp(-LOOP_DELAY * times.speed * s)
+
+    current_margin = margin_of("current", current_loop, times.current)
+    speed_margin = margin_of("speed", speed_loop, times.speed)
     position = PositionParams(
-        gain=crossover / POSITION_RATIO,
+        gain=min(speed_margin.crossover / POSITION_RATIO, POSITION_SAMPLES / times.position),
         max_speed=axis.max_speed,
         max_braking=0.5 * torque_limit / axis.inertia if max_braking is None else max_braking,
     )
 
-    def current_loop(s: complex) -> complex:
-        pi = current.gain + current.integral_gain / (s * times.current)
-        return pi / (axis.resistance + s * axis.inductance) * cmath.exp(-LOOP_DELAY * times.current * s)
+    def position_loop(s: Array) -> Array:
+        return position.gain / s * _closed(speed_loop(s)) * np.exp(-LOOP_DELAY * times.position * s)
 
-    def speed_loop(s: complex) -> complex:
-        pi = speed.gain + speed.integral_gain / (s * times.speed)
-        plant = axis.torque_constant / (axis.viscous + s * axis.inertia)
-        return pi * plant * _closed(current_loop(s)) * cmath.exp(-LOOP_DELAY * times.speed * s)
-
-    def position_loop(s: complex) -> complex:
-        return position.gain / s * _closed(speed_loop(s)) * cmath.exp(-LOOP_DELAY * times.position * s)
-
+    margins = {
+        "current": current_margin,
+        "speed": speed_margin,
+        "position": margin_of("position", position_loop, times.position),
+    }
     return CascadeGains(
         current=current,
         speed=speed,
         position=position,
         times=times,
         observer_bandwidth=observer,
-        current_margin=_margin(current_loop, 1.0 / times.current),
-        speed_margin=_margin(speed_loop, 1.0 / times.speed),
-        position_margin=_margin(position_loop, 1.0 / times.position),
+        current_margin=margins["current"],
+        speed_margin=margins["speed"],
+        position_margin=margins["position"],
         speed_limited_by=limited_by,
+        warnings=tuple(_looked_at(axis, times, margins)),
     )
+
+
+def _looked_at(axis: ServoAxis, times: SampleTimes, margins: dict[str, LoopMargin]) -> list[DesignWarning]:
+    """What does not hold of a design."""
+    found, lag = [], axis.inductance / axis.resistance
+    if times.current > lag:
+        found.append(
+            DesignWarning(
+                "sample_time",
+                f"the current loop samples every {times.current:.3g} s, the electrical time constant L/R is only "
+                f"{lag:.3g} s: what happens between samples is not controlled; sample faster, or add a choke",
+                times.current,
+                lag,
+            )
+        )
+    for name, margin in margins.items():
+        degrees, wanted = math.degrees(margin.phase_margin), LEAST_MARGINS[name]
+        if degrees < wanted:
+            found.append(
+                DesignWarning(
+                    f"{name}_phase_margin",
+                    f"the {name} loop keeps {degrees:.1f} deg of phase at {margin.crossover:.4g} rad/s; "
+                    f"{wanted:g} are wanted: sample the loops inside faster",
+                    degrees,
+                    wanted,
+                )
+            )
+        if margin.gain_margin < LEAST_GAIN_MARGIN:
+            found.append(
+                DesignWarning(
+                    f"{name}_gain_margin",
+                    f"the {name} loop is unstable from {margin.gain_margin:.3g} times its gain; "
+                    f"{LEAST_GAIN_MARGIN:g} are wanted: sample the loops inside faster",
+                    margin.gain_margin,
+                    LEAST_GAIN_MARGIN,
+                )
+            )
+    return found
 
 
 def _design_current(axis: ServoAxis, dt: float, feed_back_emf: bool) -> CurrentParams:
@@ -199,7 +259,6 @@ def _design_current(axis: ServoAxis, dt: float, feed_back_emf: bool) -> CurrentP
     return CurrentParams(
         gain=gain,
         integral_gain=gain * dt * axis.resistance / axis.inductance,
-        tracking=1.0,
         max_voltage=axis.max_voltage,
         back_emf=axis.back_emf_constant if feed_back_emf else 0.0,
     )
@@ -212,10 +271,11 @@ def _design_speed(axis: ServoAxis, times: SampleTimes, current: CurrentParams) -
     by_counts = _resolvable_crossover(axis)
     crossover = min(by_sampling, by_counts)
     gain = crossover * axis.inertia / axis.torque_constant
+    slowest = axis.inertia / axis.viscous if axis.viscous > 0.0 else math.inf
+    corner = max(crossover / math.sqrt(SPEED_RATIO), 1.0 / slowest)
     params = SpeedParams(
         gain=gain,
-        integral_gain=gain * times.speed * crossover / math.sqrt(SPEED_RATIO),
-        tracking=1.0,
+        integral_gain=gain * times.speed * corner,
         max_current=axis.max_current,
         max_voltage=axis.max_voltage,
         back_emf=axis.back_emf_constant,
@@ -232,17 +292,5 @@ def _resolvable_crossover(axis: ServoAxis) -> float:
     return math.sqrt(allowed / (COUNT_PEAK * OBSERVER_RATIO * count))
 
 
-def _closed(loop: complex) -> complex:
+def _closed(loop: Array) -> Array:
     return loop / (1.0 + loop)
-
-
-def _margin(loop: Callable[[complex], complex], top: float) -> LoopMargin:
-    """Crossover and phase margin of a loop whose gain falls through 1 once below `top` (rad/s)."""
-    low, high = 1e-6 * top, math.pi * top
-    for _ in range(60):
-        middle = math.sqrt(low * high)
-        if abs(loop(1j * middle)) > 1.0:
-            low = middle
-        else:
-            high = middle
-    return LoopMargin(low, math.pi + cmath.phase(loop(1j * low)))

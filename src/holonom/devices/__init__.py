@@ -6,6 +6,7 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 `DcMotor`               armature, constants, limits; `A_M`, `A_T`, `T_M`, `T_V`, damping
 `Gear`                  signed ratio, efficiency
 `Friction`              viscous and asymmetric Coulomb
+`LuGre`                 bristles: stick-slip, presliding, Stribeck
 `Encoder`               counts, longest read interval; `tracking_params` for the speed observer
 `SteeringMotor`         how fast, hard and exactly a wheel is steered
 `Gyro`                  noise and offset; `Accelerometer` and `CurrentShunt` too
@@ -17,7 +18,9 @@ Compiled steps over scalars (`kernels.py`), for a loop that keeps the state of i
 
 ======================  ========================================================================
 `armature_step`         voltage and speed to current, exact between samples
-`friction_torque`       speed to the torque that opposes it
+`stiction_step`         friction of a simulated shaft, which holds at standstill
+`lugre_step`            friction of bristles, integrated exactly
+`friction_torque`       friction as a controller feeds it forward, by speed alone
 `gear_torque`           motor torque to joint torque
 `encoder_counter`       motor angle to the 16-bit counter
 `extend_counter`        16-bit reads to a 64-bit count
@@ -36,6 +39,8 @@ from holonom.devices.kernels import (
     EncoderParams,
     FrictionParams,
     GearParams,
+    LuGreParams,
+    StictionParams,
     TrackingParams,
     TrackingState,
     armature_step,
@@ -45,8 +50,11 @@ from holonom.devices.kernels import (
     extend_counter,
     friction_torque,
     gear_torque,
+    lugre_step,
+    stiction_step,
     tracking_step,
 )
+from holonom.devices.lugre import LuGre
 from holonom.devices.methods import DEVICES
 from holonom.devices.sensors import Accelerometer, CurrentShunt, Gyro
 from holonom.devices.steering import SteeringMotor, SteeringParams
@@ -64,8 +72,11 @@ __all__ = [
     "Gear",
     "GearParams",
     "Gyro",
+    "LuGre",
+    "LuGreParams",
     "SteeringMotor",
     "SteeringParams",
+    "StictionParams",
     "TrackingParams",
     "TrackingState",
     "armature_step",
@@ -75,6 +86,8 @@ __all__ = [
     "extend_counter",
     "friction_torque",
     "gear_torque",
+    "lugre_step",
+    "stiction_step",
     "tracking_params",
     "tracking_step",
 ]

@@ -1,11 +1,11 @@
-"""Friction of a motor or joint shaft: viscous plus asymmetric Coulomb, made smooth at standstill."""
+"""Friction of a motor or joint shaft: viscous plus asymmetric Coulomb, which holds at standstill."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 from holonom.devices._checks import require
-from holonom.devices.kernels import FrictionParams
+from holonom.devices.kernels import FrictionParams, StictionParams
 from holonom.errors import ModelError
 from holonom.registry import check_fields, parameter
 
@@ -14,10 +14,10 @@ __all__ = ["Friction"]
 
 @dataclass(frozen=True, slots=True)
 class Friction:
-    """Friction as `B w + T_c(sign w) w / sqrt(w^2 + e^2)`.
+    """Friction as `B w + T_c`, two magnitudes for the two directions.
 
-    The sign is regularised, so standstill is approximate: below the breakaway torque the shaft does not
-    stick, it creeps at `w = e T / sqrt(T_c^2 - T^2)`.
+    A simulated shaft is held at standstill (`stiction`); a controller, which knows a speed but not whether the shaft
+    sticks, feeds it forward without the jump (`params`).
 
     Tables often print the magnitude for negative speed as a negative number.
 
@@ -34,15 +34,19 @@ class Friction:
     def __post_init__(self) -> None:
         check_fields(self, ModelError)
 
-    def smallest_smoothing(self, inertia: float, dt: float) -> float:
-        """Least smoothing e (rad/s) with which an explicit step does not chatter about standstill: `T_c dt / J`.
+    def stiction(self, inertia: float, dt: float) -> StictionParams:
+        """Params of `stiction_step` for a step of `dt` (s).
 
-        There one step of `dt` (s) takes a small speed of the inertia J (kg m^2) just to zero; beyond half of
-        it the step would overshoot by more than it began with.
+        `inertia` (kg m2) is the least that the shaft may have: with half of what would stop it within one step, the
+        spring is as stiff as a semi-implicit step bears, and every motion at rest dies away.
         """
-        return max(self.coulomb_positive, self.coulomb_negative) * dt / inertia
+        require("Friction.stiction", "inertia", inertia, above=0.0)
+        require("Friction.stiction", "dt", dt, above=0.0)
+        holds = max(self.coulomb_positive, self.coulomb_negative) > 0.0
+        winding = 0.5 * inertia / dt if holds else 0.0
+        return StictionParams(self.viscous, self.coulomb_positive, self.coulomb_negative, winding)
 
     def params(self, smoothing: float) -> FrictionParams:
-        """Params of `friction_torque` with a smoothing in rad/s, not below `smallest_smoothing`."""
+        """Params of `friction_torque`: the sign as `w / sqrt(w^2 + e^2)`, e the smoothing in rad/s."""
         require("Friction.params", "smoothing", smoothing, above=0.0)
         return FrictionParams(self.viscous, self.coulomb_positive, self.coulomb_negative, smoothing)

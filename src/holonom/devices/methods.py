@@ -7,6 +7,7 @@ from typing import Any
 from holonom.devices.dc_motor import DcMotor
 from holonom.devices.friction import Friction
 from holonom.devices.gear import Gear
+from holonom.devices.lugre import LuGre
 from holonom.registry import Method, Table
 
 __all__ = ["DEVICES"]
@@ -31,6 +32,12 @@ DEVICES = Table(
             _itself,
             "Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30(7), 1994",
             Friction,
+        ),
+        "lugre": Method(
+            "bristles that bend before they slip: stick-slip, presliding, Stribeck's curve",
+            _itself,
+            "Canudas de Wit, Olsson, Astrom, Lischinsky, IEEE TAC 40(3), 1995; specification 03.2",
+            LuGre,
         ),
     },
 )

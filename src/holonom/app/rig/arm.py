@@ -91,6 +91,8 @@ class ArmRig:
         )
         self._watch = Watch(self.arm, job.contact_force, lambda source, text: self.log("warning", source, text))
         self.machine = self.arm.machine
+        for text in loop.warnings:
+            self.log("warning", "servos", text)
         self._state = None
         self._status = Status.HALTED
         if job.program is not None:

@@ -6,9 +6,14 @@ import cmath
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
+import numpy as np
+
+from holonom.arrays import Array
 from holonom.control.kernels import SpeedParams
-from holonom.control.tuning import LoopMargin, ServoAxis
+from holonom.control.margins import LoopMargin, margin_of
+from holonom.control.tuning import ServoAxis
 from holonom.errors import OutOfLimits
 
 __all__ = ["WheelLoop", "tune_wheel"]
@@ -89,25 +94,24 @@ def tune_wheel(axis: ServoAxis, spinning_inertia: float, *, dt: float = 1e-3, ph
     speed = SpeedParams(
         gain=gain,
         integral_gain=gain * dt * corner,
-        tracking=1.0,
         max_current=axis.max_current,
         max_voltage=axis.max_voltage,
         back_emf=axis.back_emf_constant,
         conductance=1.0 / axis.resistance,
     )
 
-    def loop(inertia: float) -> Callable[[float], complex]:
-        def at(w: float) -> complex:
-            s = 1j * w
+    def loop(inertia: float) -> Callable[[Array], Array]:
+        def at(s: Array) -> Array:
             plant = axis.torque_constant / (axis.viscous + s * inertia) / (1.0 + s * lag)
-            return gain * (1.0 + corner / s) * plant * _observer(s, bandwidth) * cmath.exp(-LOOP_DELAY * dt * s)
+            return gain * (1.0 + corner / s) * plant * _observer(s, bandwidth) * np.exp(-LOOP_DELAY * dt * s)
 
         return at
 
-    return WheelLoop(speed, bandwidth, _margin(loop(axis.inertia), dt), _margin(loop(spinning_inertia), dt), limit)
+    margin, spinning = (margin_of("speed", loop(inertia), dt) for inertia in (axis.inertia, spinning_inertia))
+    return WheelLoop(speed, bandwidth, margin, spinning, limit)
 
 
-def _observer(s: complex, bandwidth: float) -> complex:
+def _observer(s: Any, bandwidth: float) -> Any:
     """Measured over true speed, of a tracking loop with three poles at -bandwidth."""
     return bandwidth**2 * (3.0 * s + bandwidth) / (s + bandwidth) ** 3
 
@@ -138,11 +142,6 @@ def _crossing(falling: Callable[[float], float], dt: float) -> float:
             f"{high:.3g} rad/s; check inertias, inductance and resistance, give a shorter dt or a smaller phase_margin"
         )
     return float(brentq(falling, low, high))
-
-
-def _margin(loop: Callable[[float], complex], dt: float) -> LoopMargin:
-    crossover = _crossing(lambda w: abs(loop(w)) - 1.0, dt)
-    return LoopMargin(crossover, math.pi + cmath.phase(loop(crossover)))
 
 
 def _check(axis: ServoAxis, spinning: float, dt: float, margin: float) -> None:

@@ -13,6 +13,7 @@ from holonom.arrays import Array, finite_array
 from holonom.control import (
     CONTROLLERS,
     AxisLimits,
+    CascadeGains,
     CascadeSettings,
     ComputedTorqueSettings,
     SampleTimes,
@@ -137,9 +138,16 @@ class ArmServos:
         self.limits = [_axis_limits(arm.model, i, settings) for i in range(arm.n)]
         B = mass_matrix(arm.model, bodies_of(arm.model), joint_vector("q", q, arm.n).tolist())
         inertia = np.diagonal(np.array(B, dtype=float))
+        designs = [_design(arm.model, i, float(b), settings) for i, b in enumerate(inertia)]
+        self.warnings = [
+            f"joint {joint.name!r}: {warning.text}"
+            for joint, gains in zip(arm.model.joints, designs, strict=True)
+            for warning in gains.warnings
+        ]
+        """What the design of its loops does not reach."""
         rows = [
-            _servo(arm.model, i, float(b), settings, limits)
-            for i, (b, limits) in enumerate(zip(inertia, self.limits, strict=True))
+            _servo(arm.model, i, float(b), gains, settings, limits)
+            for i, (b, gains, limits) in enumerate(zip(inertia, designs, self.limits, strict=True))
         ]
         self.axes = record_table(rows, SERVO)
         self.states = np.zeros(arm.n, dtype=SERVO_STATE)
@@ -271,39 +279,45 @@ def _axis_limits(model: ArmModel, axis: int, settings: ControlSettings) -> AxisL
     )
 
 
-def _servo(model: ArmModel, axis: int, inertia: float, settings: ControlSettings, limits: AxisLimits) -> Servo:
-    """Data sheets and gains of a joint whose inertia (rotor included) is known at its working point, kg m2."""
+def _design(model: ArmModel, axis: int, inertia: float, settings: ControlSettings) -> CascadeGains:
+    """Gains of a joint whose inertia (rotor included) is known at its working point, kg m2."""
     joint = model.joints[axis]
     data, motor = joint.motor, joint_motor(joint)
     assert data is not None
     ratio = data.gear_ratio
-    seen = inertia / ratio**2
-    encoder = Encoder(data.encoder_counts)
-    times = SampleTimes(STEP, STEP * SPEED_TICK, settings.levels.servo)
-    gains = design_cascade(
+    return design_cascade(
         ServoAxis(
             resistance=motor.resistance,
             inductance=motor.inductance,
             torque_constant=motor.torque_constant,
             back_emf_constant=motor.back_emf_constant,
-            inertia=seen,
+            inertia=inertia / ratio**2,
             viscous=joint_friction(joint, ratio).viscous,
             max_voltage=motor.max_voltage,
             max_current=motor.max_current,
             max_speed=model.limits(axis).speed * abs(ratio),
-            counts_per_rev=encoder.counts_per_rev,
+            counts_per_rev=data.encoder_counts,
         ),
-        times=times,
+        times=SampleTimes(STEP, STEP * SPEED_TICK, settings.levels.servo),
     )
+
+
+def _servo(
+    model: ArmModel, axis: int, inertia: float, gains: CascadeGains, settings: ControlSettings, limits: AxisLimits
+) -> Servo:
+    """A joint's gains and what its controller knows of it."""
+    data = model.joints[axis].motor
+    assert data is not None
+    ratio = data.gear_ratio
     return Servo(
-        encoder.params(),
-        tracking_params(gains.observer_bandwidth, times.speed),
+        Encoder(data.encoder_counts).params(),
+        tracking_params(gains.observer_bandwidth, gains.times.speed),
         gains.current,
         gains.speed,
         gains.position,
         acceleration_params(settings.bandwidth, settings.levels.model),
         limits.params(),
         ratio,
-        motor.torque_constant,
-        seen,
+        data.torque_constant,
+        inertia / ratio**2,
     )

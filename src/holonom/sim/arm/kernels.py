@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from holonom.arrays import Array
 from holonom.devices.drive_signals import JointSignals
-from holonom.devices.kernels import armature_step, encoder_counter, friction_torque, gear_torque
+from holonom.devices.kernels import armature_step, encoder_counter, gear_torque, stiction_step
 from holonom.trace.call.pointer import call_kernel
 from holonom.trace.code.loops import loop
 
@@ -64,7 +64,8 @@ def _drive(axis: Any, state: Any, voltage: float) -> None:
     """Armature, motor friction and gear of one step."""
     speed = axis.gear.ratio * state.speed
     state.current = armature_step(axis.armature, state.current, voltage, speed)
-    motor = axis.torque_constant * state.current - friction_torque(axis.friction, speed)
+    friction, state.held = stiction_step(axis.friction, state.held, speed)
+    motor = axis.torque_constant * state.current - friction
     state.voltage = voltage
     state.torque = gear_torque(axis.gear, motor, speed)
     state.peak_voltage = max(state.peak_voltage, abs(voltage))

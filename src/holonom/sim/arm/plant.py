@@ -24,8 +24,6 @@ __all__ = ["STEP", "ArmPlant", "AxisDrive", "Ground"]
 
 STEP = 1e-4
 """Step of the arm and its motors, s."""
-COULOMB_SMOOTHING = 0.5
-"""Motor speed (rad/s) below which Coulomb friction goes over into its opposite smoothly."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +128,7 @@ class ArmPlant:
 def _row(drive: AxisDrive) -> Drive:
     return Drive(
         drive.motor.armature(STEP),
-        drive.friction.params(COULOMB_SMOOTHING),
+        drive.friction.stiction(drive.motor.rotor_inertia, STEP),
         drive.gear.params(),
         drive.encoder.params(),
         drive.motor.torque_constant,

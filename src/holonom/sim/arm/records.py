@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from holonom.devices.kernels import ArmatureParams, EncoderParams, FrictionParams, GearParams
+from holonom.devices.kernels import ArmatureParams, EncoderParams, GearParams, StictionParams
 from holonom.trace.call.records import layout_of
 
 __all__ = ["DRIVE", "DRIVE_STATE", "Drive"]
@@ -16,7 +16,7 @@ class Drive(NamedTuple):
     """Motor, friction, gear and encoder of one axis; at the motor shaft."""
 
     armature: ArmatureParams
-    friction: FrictionParams
+    friction: StictionParams
     gear: GearParams
     encoder: EncoderParams
     torque_constant: float
@@ -30,6 +30,7 @@ DRIVE_STATE = np.dtype(
         ("position", np.float64),  # joint, rad
         ("speed", np.float64),  # joint, rad/s
         ("current", np.float64),  # A
+        ("held", np.float64),  # by Coulomb friction, N m at the motor
         ("voltage", np.float64),  # V
         ("torque", np.float64),  # behind the gear, N m
         ("peak_speed", np.float64),  # largest magnitudes since the start, joint side

@@ -216,20 +216,20 @@ def _motor(wheel: Any, own: Any, h: float) -> tuple[Any, Any]:
     speed = ratio * own.speed
     own.current = own.conducts * armature_step(wheel.armature, own.current, own.voltage, speed)
     electric = own.conducts * wheel.torque_constant * wheel.current_slope
-    friction, slope = _friction(wheel.friction, speed)
+    friction, slope = _friction(wheel.friction, own, speed)
     motor = wheel.torque_constant * own.current - friction
     gain = select(motor * speed >= 0.0, wheel.gain, wheel.gain_back)  # as `devices.gear_torque`
     return gain * motor, ratio * gain * (electric + slope)
 
 
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
-def _friction(params: Any, speed: Any) -> tuple[Any, Any]:
-    """Return `devices.friction_torque` and its slope (N m s) at a motor speed."""
-    coulomb = select(speed > 0.0, params.coulomb_positive, params.coulomb_negative)
-    smooth = params.smoothing * params.smoothing
-    inverse = 1.0 / math.sqrt(speed * speed + smooth)
-    part = coulomb * inverse
-    return params.viscous * speed + part * speed, params.viscous + part * smooth * inverse * inverse
+def _friction(params: Any, own: Any, speed: Any) -> tuple[Any, Any]:
+    """Return `devices.stiction_step` and its slope (N m s) at a motor speed; none where it slips."""
+    low, high, winding = -params.coulomb_negative, params.coulomb_positive, params.winding * speed
+    own.held = min(max(own.held + winding, low), high)
+    wanted = own.held + winding
+    held = min(max(wanted, low), high)
+    return params.viscous * speed + held, params.viscous + select(abs(wanted - held) > 0.0, 0.0, params.winding)
 
 
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)

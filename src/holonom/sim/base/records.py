@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from holonom.devices import SteeringParams
-from holonom.devices.kernels import ArmatureParams, EncoderParams, FrictionParams, GearParams
+from holonom.devices.kernels import ArmatureParams, EncoderParams, GearParams, StictionParams
 from holonom.sim.base.floor import MATERIAL
 from holonom.trace.call.records import layout_of, padded
 from holonom.trace.code.simd import WIDTH
@@ -42,7 +42,7 @@ WHEEL = np.dtype(
         ("pivot_drag", F),  # of a castor, N m s/rad
         ("steering", layout_of(SteeringParams)),
         ("armature", layout_of(ArmatureParams)),
-        ("friction", layout_of(FrictionParams)),
+        ("friction", layout_of(StictionParams)),
         ("gear", layout_of(GearParams)),
         ("encoder", layout_of(EncoderParams)),
     ]
@@ -63,6 +63,7 @@ WHEEL_STATE = np.dtype(
         ("angle", F),  # wheel, rad
         ("current", F),  # A
         ("voltage", F),  # V, asked of the power stage
+        ("held", F),  # by Coulomb friction, N m at the motor
         ("conducts", F),  # 1 or 0: current can flow in the motor, or its winding is open
         ("jam", F),  # kg m2 that are added to a wheel that cannot turn
         ("along_x", F),  # direction in which the contact carries the drive force; its lever arm, m

@@ -19,7 +19,6 @@ from holonom.mobile.drive.base_drive import BaseDrive, standing_wheels
 
 __all__ = ["SIMULATED", "Lane", "lanes_of", "wheel_row"]
 
-COULOMB_SMOOTHING = 2.0  # rad/s of the motor, below which Coulomb friction goes over into its opposite
 PIVOT_DRAG = 1e-3  # N m s/rad of a castor's bearing per kg of its wheel
 BEARS = ("spherical",)
 """Kinds of passive wheels that bear load and feel no friction."""
@@ -125,7 +124,7 @@ def wheel_row(
         drive.wheel_inertia + ratio * motor.rotor_inertia if driven else spin, motor.torque_constant if driven else 0.0,
         own.get("turns", 0.0), own.get("servo", 0.0), own.get("lever", 0.0), own.get("pivot_drag", 0.0),
         tuple(own.get("steering", drive.steering.params())),
-        tuple(armature), tuple(friction.params(COULOMB_SMOOTHING)),
+        tuple(armature), tuple(friction.stiction(motor.rotor_inertia, dt)),
         tuple(gear.params()) if driven else (1.0, *tuple(gear.params())[1:]),
         tuple(drive.encoder.params()),
     )  # fmt: skip
