@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from simulated_bases import BASES, DRIVE, LOSSLESS, soccer
 
-from holonom.devices.kernels import stiction_step
+from holonom.devices.transmission.kernels import stiction_step
 from holonom.errors import ModelError, OutOfLimits, ShapeError, UnknownName
 from holonom.mobile import Wheel, WheelBase
 from holonom.mobile.arrangements import omni

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from one_axis import puma_axis
 from scipy import signal
 
-from holonom.control import CascadeGains, SampleTimes, ServoAxis, design_cascade, tuning
+from holonom.control import CascadeGains, SampleTimes, ServoAxis, design_cascade
 from holonom.control.margins import margin_of
+from holonom.control.servo import cascade
 from holonom.errors import ModelError, OutOfLimits
 
 AXIS = ServoAxis(
@@ -119,7 +120,7 @@ def test_a_design_of_any_axis_keeps_its_margins_at_any_sample_times(seed: int) -
 
 
 def test_a_margin_that_is_not_reached_is_said_with_its_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(tuning.LEAST_MARGINS, "speed", 80.0)
+    monkeypatch.setitem(cascade.LEAST_MARGINS, "speed", 80.0)
     (warning,) = design_cascade(AXIS).warnings
     assert warning.name == "speed_phase_margin"
     assert warning.value == pytest.approx(54.5, abs=0.1)

@@ -25,7 +25,7 @@ CHAIN = {
         "from holonom.trace.code.loops import loop\nFACTOR = 2.0\n@loop\ndef far(x):\n    return FACTOR * x\n"
     ),
     "control/near.py": (
-        "from holonom.chain import helper\nfrom holonom.control.kernels import PositionParams, position_step\n"
+        "from holonom.chain import helper\nfrom holonom.control.servo.kernels import PositionParams, position_step\n"
         "from holonom.trace.code.loops import loop\n\n\n@loop\ndef near(x):\n    return helper(x) + 1.0\n\n\n"
         "@loop\ndef step(x):\n    return position_step(PositionParams(1.0, 1e9, 1.0), x, 0.0, 0.0)\n"
     ),
@@ -116,9 +116,9 @@ def test_an_edit_two_files_away_is_seen_whatever_the_time_says(copy: Copy) -> No
 def test_an_edited_position_step_is_seen_by_what_inlines_it(copy: Copy) -> None:
     code = "from holonom.chain.top import stepped\nprint(stepped(10.0))"
     before = float(copy.run(code).out)
-    copy.edit("control/kernels.py", "(2.0 * distance", "(5.0 * distance")
+    copy.edit("control/servo/kernels.py", "(2.0 * distance", "(5.0 * distance")
     after = float(copy.run(code).out)
-    copy.edit("control/kernels.py", "(5.0 * distance", "(2.0 * distance")
+    copy.edit("control/servo/kernels.py", "(5.0 * distance", "(2.0 * distance")
     assert (before, after) == pytest.approx((19.0**0.5, 49.0**0.5), rel=1e-15)
 
 

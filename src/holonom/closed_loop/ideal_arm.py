@@ -11,7 +11,7 @@ from holonom.arrays import Array, whole_number
 from holonom.closed_loop.arm_loop import Measured, Truth
 from holonom.closed_loop.reference import checked_reference
 from holonom.control import AxisLimits, Violation, drive_fault
-from holonom.control.kernels import axis_violation
+from holonom.control.servo.kernels import axis_violation
 from holonom.machine.arm.servos import ControlSettings
 from holonom.mechanics import Arm
 from holonom.mechanics.motion.trajectory import joint_vector

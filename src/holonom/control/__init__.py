@@ -1,6 +1,6 @@
 """Regulators of servo axes and of the arm (specification 04). No device is seen here: numbers come in.
 
-Compiled steps over scalars (`kernels.py`), for a loop that keeps the state of its axes in rows of numbers:
+Compiled steps over scalars (`servo.kernels`), for a loop that keeps the state of its axes in rows of numbers:
 
 =======================  =======================================================================
 `pi_step`, `pi_start`    the PI regulator of both inner loops; its bumpless start
@@ -39,8 +39,13 @@ from holonom.control.balance.methods import BALANCE_LAWS
 from holonom.control.base.path_keeping import EstimateSettings, KeepingSettings
 from holonom.control.base.traction import TractionSettings, WatchSettings
 from holonom.control.base.tuning import WheelLoop, tune_wheel
-from holonom.control.computed_torque import acceleration_params, greatest_bandwidth
-from holonom.control.kernels import (
+from holonom.control.margins import LoopMargin
+from holonom.control.methods import BASE_CONTROLLERS, CONTROLLERS, CascadeSettings, ComputedTorqueSettings
+from holonom.control.path_laws.contract import PathLaw
+from holonom.control.path_laws.methods import PATH_LAWS
+from holonom.control.servo.cascade import CascadeGains, DesignWarning, SampleTimes, ServoAxis, design_cascade
+from holonom.control.servo.computed_torque import acceleration_params, greatest_bandwidth
+from holonom.control.servo.kernels import (
     AccelerationParams,
     CurrentParams,
     LimitParams,
@@ -56,12 +61,7 @@ from holonom.control.kernels import (
     speed_step,
     torque_to_current,
 )
-from holonom.control.limits import AxisLimits, Violation, drive_fault
-from holonom.control.margins import LoopMargin
-from holonom.control.methods import BASE_CONTROLLERS, CONTROLLERS, CascadeSettings, ComputedTorqueSettings
-from holonom.control.path_laws.contract import PathLaw
-from holonom.control.path_laws.methods import PATH_LAWS
-from holonom.control.tuning import CascadeGains, DesignWarning, SampleTimes, ServoAxis, design_cascade
+from holonom.control.servo.limits import AxisLimits, Violation, drive_fault
 
 __all__ = [
     "BALANCE_LAWS",

@@ -14,7 +14,7 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 
 `DEVICES` lists those between motor and joint.
 
-Compiled steps over scalars (`kernels.py`), for a loop that keeps the state of its axes in rows of numbers:
+Compiled steps over scalars (`kernels.py` of each room), for a loop that keeps the state of its axes in rows of numbers:
 
 ======================  ========================================================================
 `armature_step`         voltage and speed to current, exact between samples
@@ -30,34 +30,35 @@ Compiled steps over scalars (`kernels.py`), for a loop that keeps the state of i
 ======================  ========================================================================
 """
 
-from holonom.devices.dc_motor import DcMotor
-from holonom.devices.encoder import Encoder, tracking_params
-from holonom.devices.friction import Friction
-from holonom.devices.gear import Gear
-from holonom.devices.kernels import (
-    ArmatureParams,
+from holonom.devices.encoders.incremental import Encoder, tracking_params
+from holonom.devices.encoders.kernels import (
     EncoderParams,
-    FrictionParams,
-    GearParams,
-    LuGreParams,
-    StictionParams,
     TrackingParams,
     TrackingState,
-    armature_step,
     count_angle,
     difference_speed,
     encoder_counter,
     extend_counter,
+    tracking_step,
+)
+from holonom.devices.methods import DEVICES
+from holonom.devices.motors.dc_motor import DcMotor
+from holonom.devices.motors.kernels import ArmatureParams, armature_step
+from holonom.devices.sensors import Accelerometer, CurrentShunt, Gyro
+from holonom.devices.steering import SteeringMotor, SteeringParams
+from holonom.devices.transmission.friction import Friction
+from holonom.devices.transmission.gear import Gear
+from holonom.devices.transmission.kernels import (
+    FrictionParams,
+    GearParams,
+    LuGreParams,
+    StictionParams,
     friction_torque,
     gear_torque,
     lugre_step,
     stiction_step,
-    tracking_step,
 )
-from holonom.devices.lugre import LuGre
-from holonom.devices.methods import DEVICES
-from holonom.devices.sensors import Accelerometer, CurrentShunt, Gyro
-from holonom.devices.steering import SteeringMotor, SteeringParams
+from holonom.devices.transmission.lugre import LuGre
 
 __all__ = [
     "DEVICES",

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from holonom.devices.dc_motor import DcMotor
-from holonom.devices.friction import Friction
-from holonom.devices.gear import Gear
-from holonom.devices.lugre import LuGre
+from holonom.devices.motors.dc_motor import DcMotor
+from holonom.devices.transmission.friction import Friction
+from holonom.devices.transmission.gear import Gear
+from holonom.devices.transmission.lugre import LuGre
 from holonom.registry import Method, Table
 
 __all__ = ["DEVICES"]

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from holonom.arrays import Array
-from holonom.control.kernels import SpeedParams
 from holonom.control.margins import LoopMargin, margin_of
-from holonom.control.tuning import ServoAxis
+from holonom.control.servo.cascade import ServoAxis
+from holonom.control.servo.kernels import SpeedParams
 from holonom.errors import OutOfLimits
 
 __all__ = ["WheelLoop", "tune_wheel"]

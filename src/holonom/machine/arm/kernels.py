@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.arrays import Array
-from holonom.control.kernels import (
+from holonom.control.servo.kernels import (
     acceleration_step,
     axis_violation,
     current_step,
@@ -21,7 +21,7 @@ from holonom.control.kernels import (
     torque_to_current,
 )
 from holonom.devices.drive_signals import JointSignals
-from holonom.devices.kernels import TrackingState, count_angle, extend_counter, tracking_step
+from holonom.devices.encoders.kernels import TrackingState, count_angle, extend_counter, tracking_step
 from holonom.machine.arm.records import ServoTiming
 from holonom.trace.call.pointer import call_kernel
 from holonom.trace.code.loops import loop

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from holonom.control.kernels import AccelerationParams, CurrentParams, LimitParams, PositionParams, SpeedParams
-from holonom.devices.kernels import EncoderParams, TrackingParams
+from holonom.control.servo.kernels import AccelerationParams, CurrentParams, LimitParams, PositionParams, SpeedParams
+from holonom.devices.encoders.kernels import EncoderParams, TrackingParams
 from holonom.trace.call.records import layout_of
 
 __all__ = ["SERVO", "SERVO_STATE", "Servo", "ServoTiming"]

@@ -22,7 +22,7 @@ from holonom.control.balance.kernels import (
 )
 from holonom.control.base.kernels import Planar
 from holonom.devices.drive_signals import WheelSignals
-from holonom.devices.kernels import friction_torque
+from holonom.devices.transmission.kernels import friction_torque
 from holonom.machine.base.wheel_kernels import rim_force, rim_speed
 from holonom.trace.code.compiled import select, sincos
 from holonom.trace.code.loops import loop

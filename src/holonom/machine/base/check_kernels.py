@@ -17,7 +17,7 @@ from holonom.arrays import Array
 from holonom.control.base.inertial_check import CheckParams
 from holonom.control.base.kernels import OFF, WORKS, Planar
 from holonom.devices.drive_signals import WheelSignals
-from holonom.devices.kernels import friction_torque
+from holonom.devices.transmission.kernels import friction_torque
 from holonom.machine.base.params import BaseParams, Work
 from holonom.machine.base.steering_kernels import SteeredParams
 from holonom.mobile.drive.slip_kernels import AMBIGUOUS, NO_SLIP, SLIP, SlipState, slip_step

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from holonom.control.kernels import SpeedParams
 from holonom.control.path_laws.compiled import NUMBERS
-from holonom.devices.kernels import ArmatureParams, EncoderParams, FrictionParams, GearParams, TrackingParams
+from holonom.control.servo.kernels import SpeedParams
+from holonom.devices.encoders.kernels import EncoderParams, TrackingParams
+from holonom.devices.motors.kernels import ArmatureParams
+from holonom.devices.transmission.kernels import FrictionParams, GearParams
 from holonom.mobile.drive.slip_kernels import SlipState
 from holonom.trace.call.records import layout_of, padded
 

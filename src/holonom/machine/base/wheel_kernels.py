@@ -27,15 +27,9 @@ from holonom.control.base.kernels import (
     watch_verdict,
     within_slip,
 )
-from holonom.control.kernels import speed_step
-from holonom.devices.kernels import (
-    EncoderParams,
-    TrackingState,
-    count_angle,
-    extend_counter,
-    friction_torque,
-    tracking_step,
-)
+from holonom.control.servo.kernels import speed_step
+from holonom.devices.encoders.kernels import EncoderParams, TrackingState, count_angle, extend_counter, tracking_step
+from holonom.devices.transmission.kernels import friction_torque
 from holonom.mobile.drive.slip_kernels import AMBIGUOUS, SLIP
 from holonom.trace.code.compiled import select
 from holonom.trace.code.loops import loop

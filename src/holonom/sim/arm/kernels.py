@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 
 from holonom.arrays import Array
 from holonom.devices.drive_signals import JointSignals
-from holonom.devices.kernels import armature_step, encoder_counter, gear_torque, stiction_step
+from holonom.devices.encoders.kernels import encoder_counter
+from holonom.devices.motors.kernels import armature_step
+from holonom.devices.transmission.kernels import gear_torque, stiction_step
 from holonom.trace.call.pointer import call_kernel
 from holonom.trace.code.loops import loop
 

@@ -6,7 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from holonom.devices.kernels import ArmatureParams, EncoderParams, GearParams, StictionParams
+from holonom.devices.encoders.kernels import EncoderParams
+from holonom.devices.motors.kernels import ArmatureParams
+from holonom.devices.transmission.kernels import GearParams, StictionParams
 from holonom.trace.call.records import layout_of
 
 __all__ = ["DRIVE", "DRIVE_STATE", "Drive"]

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.arrays import Array
-from holonom.devices.kernels import armature_step
+from holonom.devices.motors.kernels import armature_step
 from holonom.numeric.contact_loads import pushing_loads_at
 from holonom.numeric.small_kernels import solve_positive3, solve_positive4
 from holonom.sim.base.climb_kernels import climb

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from holonom.devices import SteeringParams
-from holonom.devices.kernels import ArmatureParams, EncoderParams, GearParams, StictionParams
+from holonom.devices.encoders.kernels import EncoderParams
+from holonom.devices.motors.kernels import ArmatureParams
+from holonom.devices.transmission.kernels import GearParams, StictionParams
 from holonom.sim.base.floor import MATERIAL
 from holonom.trace.call.records import layout_of, padded
 from holonom.trace.code.simd import WIDTH

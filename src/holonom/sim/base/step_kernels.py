@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from holonom.arrays import Array
 from holonom.devices.drive_signals import WheelSignals
-from holonom.devices.kernels import EncoderParams, encoder_counter
+from holonom.devices.encoders.kernels import EncoderParams, encoder_counter
 from holonom.numeric.small_kernels import solve_positive3
 from holonom.sim.base.kernels import Supports, break_motor, plant_steps
 from holonom.sim.base.lean_kernels import LeanParams

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from holonom.devices._checks import require
-from holonom.devices.kernels import COUNTER_SIZE, EncoderParams, TrackingParams
+from holonom.devices.encoders.kernels import COUNTER_SIZE, EncoderParams, TrackingParams
 from holonom.errors import ModelError
 from holonom.registry import check_fields, parameter
 

@@ -8,8 +8,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from holonom.arrays import Array
-from holonom.control.kernels import CurrentParams, PositionParams, SpeedParams
 from holonom.control.margins import LoopMargin, margin_of
+from holonom.control.servo.kernels import CurrentParams, PositionParams, SpeedParams
 from holonom.errors import ModelError, OutOfLimits
 
 __all__ = ["CascadeGains", "DesignWarning", "SampleTimes", "ServoAxis", "design_cascade"]

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from holonom.devices._checks import require
-from holonom.devices.kernels import ArmatureParams
+from holonom.devices.motors.kernels import ArmatureParams
 from holonom.errors import ModelError
 from holonom.registry import check_fields, parameter
 

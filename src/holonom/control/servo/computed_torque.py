@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from holonom.control.kernels import AccelerationParams
+from holonom.control.servo.kernels import AccelerationParams
 from holonom.errors import OutOfLimits
 
 __all__ = ["acceleration_params", "greatest_bandwidth"]

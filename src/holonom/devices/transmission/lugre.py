@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from holonom.devices._checks import require
-from holonom.devices.kernels import LuGreParams
+from holonom.devices.transmission.kernels import LuGreParams
 from holonom.errors import ModelError
 from holonom.registry import check_fields, parameter
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass
 
-from holonom.control.kernels import LimitParams
+from holonom.control.servo.kernels import LimitParams
 from holonom.errors import DriveFault, OutOfLimits
 
 __all__ = ["AxisLimits", "Violation", "drive_fault"]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from holonom.devices.kernels import GearParams
+from holonom.devices.transmission.kernels import GearParams
 from holonom.errors import ModelError
 from holonom.registry import check_fields, parameter
 

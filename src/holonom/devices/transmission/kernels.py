@@ -1,0 +1,103 @@
+"""Compiled steps between motor and joint: gear, friction; scalars in, scalars out, nothing is checked or allocated.
+
+Angles and speeds are the motor shaft's unless the name says joint.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from holonom.trace.code.compiled import select
+from holonom.trace.code.loops import loop
+
+__all__ = [
+    "FrictionParams",
+    "GearParams",
+    "LuGreParams",
+    "StictionParams",
+    "friction_torque",
+    "gear_torque",
+    "lugre_step",
+    "stiction_step",
+]
+
+
+class FrictionParams(NamedTuple):
+    """Viscous in N m s/rad; Coulomb magnitudes in N m for speed > 0 and < 0; smoothing in rad/s."""
+
+    viscous: float
+    coulomb_positive: float
+    coulomb_negative: float
+    smoothing: float
+
+
+class StictionParams(NamedTuple):
+    """Viscous in N m s/rad; Coulomb magnitudes in N m for speed > 0 and < 0; N m that a step at 1 rad/s winds up."""
+
+    viscous: float
+    coulomb_positive: float
+    coulomb_negative: float
+    winding: float
+
+
+class LuGreParams(NamedTuple):
+    """Bristles: sigma_0, sigma_1, sigma_2; F_c, F_s in N or N m; Stribeck speed; step, s."""
+
+    stiffness: float
+    damping: float
+    viscous: float
+    coulomb: float
+    static: float
+    stribeck_speed: float
+    dt: float
+
+
+class GearParams(NamedTuple):
+    """Motor turns per joint turn (signed) and efficiency in (0, 1]."""
+
+    ratio: float
+    efficiency: float
+
+
+@loop
+def friction_torque(params: FrictionParams, speed: float) -> float:
+    """Torque (N m) that opposes the motion, to be subtracted: `B w + T_c w / sqrt(w^2 + e^2)`."""
+    coulomb = select(speed > 0.0, params.coulomb_positive, params.coulomb_negative)
+    sign = speed / math.sqrt(speed * speed + params.smoothing * params.smoothing)
+    return params.viscous * speed + coulomb * sign
+
+
+@loop
+def stiction_step(params: StictionParams, held: float, speed: float) -> tuple[float, float]:
+    """Torque (N m) that opposes the motion, to be subtracted, and what of it a shaft at rest is held by.
+
+    Coulomb friction as a stop (Prandtl's element): a stiff spring that is wound by motion and slips at `T_c`. A load
+    below that is held: the shaft stands, it does not creep. As much damping beside the spring brings it to rest.
+    """
+    low, high, winding = -params.coulomb_negative, params.coulomb_positive, params.winding * speed
+    held = min(max(held + winding, low), high)
+    return params.viscous * speed + min(max(held + winding, low), high), held
+
+
+@loop
+def lugre_step(params: LuGreParams, bristle: float, speed: float) -> tuple[float, float]:
+    """Friction (N or N m) over a step at a speed, to be subtracted, and the bristles' deflection at its end.
+
+    `z' = v - sigma_0 |v| z / g(v)`, `g = F_c + (F_s - F_c) exp(-(v / v_s)^2)`, `F = sigma_0 z + sigma_1 z' + sigma_2 v`
+    (Canudas de Wit et al., 1995). The bristles are integrated exactly over the step: `z` nears `g sgn(v) / sigma_0` by
+    `exp(-sigma_0 |v| dt / g)`, however stiff they are.
+    """
+    p, part = params, speed / params.stribeck_speed
+    g = p.coulomb + (p.static - p.coulomb) * math.exp(-part * part)
+    settled = math.copysign(g / p.stiffness, speed)
+    after = settled + (bristle - settled) * math.exp(-p.stiffness * abs(speed) * p.dt / g)
+    return p.stiffness * after + p.damping * (after - bristle) / p.dt + p.viscous * speed, after
+
+
+@loop
+def gear_torque(params: GearParams, motor_torque: float, motor_speed: float) -> float:
+    """Joint torque (N m): `nu eta m` while the motor drives, `nu m / eta` when driven back (spec 03.2)."""
+    if motor_torque * motor_speed >= 0.0:
+        return params.ratio * params.efficiency * motor_torque
+    return params.ratio * motor_torque / params.efficiency
