@@ -100,7 +100,7 @@ def test_accelerations_hold_while_wheels_are_steered(name: str) -> None:
     v = np.array(said)
     assert (np.abs(np.diff(v, axis=0)).max(axis=0) <= 1e-3 * np.array([1.5, 1.5, 10.0]) * (1 + 1e-9)).all()
     assert np.abs(v).max(axis=0)[[0, 2]].min() > 0.2, "it gets there"
-    assert np.sqrt(np.mean((v - true) ** 2, axis=0))[0] < 0.05
+    assert np.sqrt(np.mean((v - true) ** 2, axis=0))[0] < 0.1
 
 
 @settings(max_examples=30)

@@ -15,18 +15,8 @@ from holonom.mobile.base.wheel_base import WheelBase
 from holonom.model.gravity import GRAVITY
 from holonom.numeric.contact_loads import pushing_loads
 
-__all__ = [
-    "GRAVITY",
-    "BaseDrive",
-    "BaseSensors",
-    "base_mass",
-    "load_shares",
-    "rest_loads",
-    "roller_cosines",
-    "standing_wheels",
-    "stands_in_line",
-    "supports",
-]  # fmt: skip
+__all__ = ["GRAVITY", "BaseDrive", "BaseSensors", "base_mass", "load_shares", "rest_loads", "roller_cosines",
+           "standing_wheels", "stands_in_line", "supports"]  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
