@@ -181,7 +181,8 @@ def rest_loads(base: WheelBase) -> Array:
     if _in_line(at):
         loads, stands = load_shares(base)[:, 0], stands_in_line(base)
     else:
-        loads, stands = pushing_loads(at, np.zeros(2))
+        loads, carried = pushing_loads(at, np.zeros(2))
+        stands = bool(carried)
     count = sum(w.driven for w in base.wheels)
     if not stands:
         raise ModelError(
