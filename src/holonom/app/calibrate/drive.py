@@ -140,8 +140,8 @@ def _recorded(path: Path) -> tuple[dict[str, _Wheel], tuple[str, ...]]:
         for k, name in enumerate(base.wheels)
     }
     note = (
-        f"{path}: voltages as commanded at the samples; with wheels on the floor kA holds the base's share of mass, and "
-        "in curves they push each other: kS and kV are rough"
+        f"{path}: voltages as commanded at the samples; with wheels on the floor kA holds the base's share of mass, "
+        "and in curves they push each other: kS and kV are rough"
     )
     return wheels, (note,)
 
