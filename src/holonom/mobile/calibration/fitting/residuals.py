@@ -25,7 +25,7 @@ __all__ = ["SURE", "Problem", "RunPart", "path_lever", "solve"]
 BLOCK = 16  # samples
 TOLD = 1e-4  # share of an effect that must be its own: less of it is rounding
 SURE = 1e12  # weight of what is as good as known
-EVALUATIONS = 60  # of the residuals; a determined problem takes about ten
+EVALUATIONS = 30  # of the residuals; a determined problem takes about ten
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,11 +111,12 @@ class Problem:
         at, scale = self.drive.sampled(run, p), self.drive.scale
         n = len(at.increments)
         poses, slope = np.empty((n, 3)), np.empty((n, 3, len(p)))
-        start = np.array([*run.truth[0, :2], run.heading[0]])
+        heading = run.heading
+        start = np.array([*run.truth[0, :2], heading[0]])
         increments = at.increments + run.drift if len(run.drift) else at.increments
         sensitivities_into(increments, at.slopes * scale, start, share, exact, poses, slope)
         error = poses - run.truth
-        error[:, 2] = poses[:, 2] - run.heading
+        error[:, 2] = poses[:, 2] - heading
         weight = np.full(n, 1.0 / n)
         weight[-1] += self.final_weight**2
         weight = weight[:, None] * np.array([1.0, 1.0, self.lever**2]) / len(self.runs)
