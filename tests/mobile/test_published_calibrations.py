@@ -171,15 +171,12 @@ def published(folder: Path, name: str, drive: str) -> Iterator[tuple[str, dict[s
 DIFF = "diff/square/230620202042", "diff/square/231220200045", "diff/ivanjko/231220200104"
 TRICYCLE = "tricyc/circular/140120211440", "tricyc/square/140120211446"
 MECANUM = "omni4/circular/231220200510", "omni4/square/080920201205"
-UNSEEN = [(a, b, 1.1) for group in (DIFF, TRICYCLE, MECANUM) for a, b in permutations(group, 2)]
-UNSEEN.remove((DIFF[2], DIFF[0], 1.1))
-# A straight line and two turns on the spot, for squares: their published wheels are hardly beyond the nominal ones.
-UNSEEN.append((DIFF[2], DIFF[0], 1.2))
+UNSEEN = [pair for group in (DIFF, TRICYCLE, MECANUM) for pair in permutations(group, 2)]
 
 
-@pytest.mark.parametrize(("fitted", "other", "most"), UNSEEN, ids=[f"{a} on {b}" for a, b, _ in UNSEEN])
+@pytest.mark.parametrize(("fitted", "other"), UNSEEN, ids=[f"{a} on {b}" for a, b in UNSEEN])
 def test_mean_end_errors_on_the_other_set_beside_published_parameters(
-    data_folder: Path, fitted: str, other: str, most: float
+    data_folder: Path, fitted: str, other: str
 ) -> None:
     """Calibrated as the command does unless asked otherwise; published parameters of the training set, by us.
 
@@ -199,4 +196,4 @@ def test_mean_end_errors_on_the_other_set_beside_published_parameters(
         p = drive_parameters(own.drive, values)
         matrices.append(p.matrix(p.nominal))
     best = min(mean_end(unseen.runs, M) for M in matrices)
-    assert mean_end(unseen.runs, calibrated) <= most * best
+    assert mean_end(unseen.runs, calibrated) <= 1.1 * best

@@ -18,6 +18,7 @@ SPAN = 0.2  # s of the motions that are compared
 COARSE = 0.25  # of a span, by which the motions of the first search are apart: closer ones tell the same
 MOST = 2.0  # s of an offset that is looked for
 FASTEST = 0.03  # of a rate that is looked for
+BEYOND = 1.5  # times that, up to which the search from the best of a grid may lead
 LEAST = 8  # spans that a run must have
 BETTER = 0.5  # part of the disagreement that a clock must leave at most, to be told from noise
 ALIKE = 0.05  # part of the motion, squared, that it may leave: what disagrees more has other faults
@@ -132,7 +133,8 @@ class _Compared:
         clock = Clock(*(float(v) for v in start + found.x * scale))
         as_is, left = self.miss(Clock()), self.miss(clock)
         moved = float((self.seen(clock) ** 2).sum())
-        good = left < min(BETTER * as_is, ALIKE * moved) and as_is > (AGREED if clear else ROUNDING) * moved
+        near = abs(clock.late) <= BEYOND * most and abs(clock.rate) <= BEYOND * FASTEST  # one that stands fits anything
+        good = near and left < min(BETTER * as_is, ALIKE * moved) and as_is > (AGREED if clear else ROUNDING) * moved
         if clear:
             good = good and max(abs(clock.late), 0.5 * length * abs(clock.rate)) > WORTH * period
         return clock if good else Clock()

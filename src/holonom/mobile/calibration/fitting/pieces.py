@@ -16,8 +16,9 @@ import numpy as np
 
 from holonom.arrays import Array
 from holonom.mobile.calibration.clocks import clock_of, on_the_clock_of_the_wheels
+from holonom.mobile.calibration.fitting.noise import noise_of, sureness
 from holonom.mobile.calibration.fitting.residuals import Problem, path_lever, solve
-from holonom.mobile.calibration.fitting.uncertainty import UNSEEN, noise_covariance, noise_of, sureness, tightness
+from holonom.mobile.calibration.fitting.uncertainty import UNSEEN, noise_covariance, tightness
 from holonom.mobile.calibration.runs import Run
 
 __all__ = ["cut", "surest"]

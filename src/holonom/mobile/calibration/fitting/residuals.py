@@ -38,9 +38,8 @@ class RunPart:
     slope : (N, 3, p) its derivatives by the scaled parameters.
     free_error, free_slope : the same less what another start and another clock of the truth take away.
     prior, prior_slope : (4,), (4, p) what these cost, weighted, and its derivatives.
-    start_effect : (N, 3, 3) what another start (x, y, heading) does to the errors.
+    own : what the run's own start and clock do to the errors.
     path : (N, 3) poses by odometry.
-    clock : s by which the truth's clock is behind that of the wheels; NaN where the motion does not tell it.
     weight : (N, 3) of the squares.
     strain, strain_slope : (B, k) what wheels count beyond any motion, rad, added up over `BLOCK` samples each, and its
         derivatives (B, k, p): over them what encoders round is no noise, and noisy angles bend little.
@@ -54,14 +53,18 @@ class RunPart:
     free_slope: Array
     prior: Array
     prior_slope: Array
-    start_effect: Array
+    own: Own
     path: Array
-    clock: float
     weight: Array
     strain: Array
     strain_slope: Array
     travel: Array
     place: Array
+
+    @property
+    def clock(self) -> float:
+        """Offset of the truth's clock behind that of the wheels, s; NaN where the motion does not tell it."""
+        return self.own.clock(self.error)
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,13 +129,13 @@ class Problem:
         blocks = np.arange(0, n, BLOCK)
         strain, by_strain = (np.add.reduceat(rows, blocks, axis=0) for rows in (at.strain, at.strain_slopes * scale))
         return RunPart(
-            error, slope, free_error[..., 0], free_slope, prior[:, 0], prior_slope, own.effects[..., :3], poses,
-            own.clock(error), weight, strain, by_strain, travel, run.truth[:, :2],
+            error, slope, free_error[..., 0], free_slope, prior[:, 0], prior_slope, own, poses, weight, strain,
+            by_strain, travel, run.truth[:, :2],
         )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
-class _Own:
+class Own:
     """Unknowns of one run: effects (N, 3, 4), roots of weights (N, 3); the inverse of their normal matrix (4, 4)."""
 
     effects: Array
@@ -155,7 +158,7 @@ class _Own:
         return float(g[3] - by_start @ g[:3]) / alone if alone > TOLD**2 * float(G[3, 3]) else float("nan")
 
 
-def _own(run: Run, poses: Array, root: Array, sure: Array) -> _Own:
+def _own(run: Run, poses: Array, root: Array, sure: Array) -> Own:
     """What another start (x, y, heading) and a later clock of the truth do to the errors of a run."""
     effects = np.zeros((len(poses), 3, 4))
     effects[:, 0, 0] = effects[:, 1, 1] = effects[:, 2, 2] = 1.0
@@ -165,7 +168,7 @@ def _own(run: Run, poses: Array, root: Array, sure: Array) -> _Own:
     normal = flat.T @ flat + np.diag(sure)
     size = np.sqrt(np.maximum(np.diagonal(normal), 1e-300))
     inverse = np.linalg.pinv(normal / np.outer(size, size), rcond=TOLD**2, hermitian=True) / np.outer(size, size)
-    return _Own(effects, root, inverse, sure)
+    return Own(effects, root, inverse, sure)
 
 
 def path_lever(runs: Sequence[Run]) -> float:
