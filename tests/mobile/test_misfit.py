@@ -1,4 +1,4 @@
-"""Runs that noise does not explain count as noisier: expectations by repetition, honest deviations where one differs."""
+"""Runs that noise does not explain count as noisier: expectations by repetition, deviations where one differs."""
 
 from __future__ import annotations
 
@@ -73,5 +73,5 @@ def test_wheels_that_scrub_on_the_spot_only() -> None:
         ]
         found = calibrate(runs, DRIVE, NOMINAL[DRIVE], data_sheet=False)
         away.append((found.values[0] - TRUTH[0]) / found.deviations[0])
-    assert 0.85 <= np.mean(np.abs(away) < 2.0)
+    assert np.mean(np.abs(away) < 2.0) >= 0.85
     assert 0.7 < np.std(away) < 1.3  # by the noise of all runs together: 60 % within two deviations, 2.5

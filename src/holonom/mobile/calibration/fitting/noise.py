@@ -116,8 +116,9 @@ def _explained(part: RunPart, q: Noise) -> float:
     swing = later(w[:, 0] * (x * x + y * y)) - 2.0 * (x * far_x + y * far_y) + (x * x + y * y) * all_later
     shifts = left(all_later, by_shift[:, 0]) + left(all_later, by_shift[:, 1])
     turns = left(swing + later(w[:, 2]), by_turn)
-    alone = np.einsum("kcs,st,kct,c->", effects, part.own.inverse, effects, white, optimize=True)
-    G = np.einsum("kcs,kct->st", effects, part.own.effects, optimize=True)
+    rows = (effects * np.sqrt(white)[:, None]).reshape(-1, 4)
+    alone = float(((rows @ part.own.inverse) * rows).sum())
+    G = effects.reshape(-1, 4).T @ part.own.effects.reshape(-1, 4)
     start = white @ np.diagonal(G - G @ part.own.inverse @ G)[:3]  # the first pose, taken for true
     return float(part.travel @ (q.shift * shifts + q.turn * turns) + (w * white).sum() - alone + start)
 

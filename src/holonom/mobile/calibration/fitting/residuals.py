@@ -97,16 +97,20 @@ class Problem:
 
     def residuals(self, x: Array) -> tuple[Array, Array]:
         """Weighted errors (n,) and their derivatives (n, p)."""
-        parts = self.parts(x)
+        return self.weighted(self.parts(x))
+
+    def weighted(self, parts: Sequence[RunPart]) -> tuple[Array, Array]:
+        """The same of every run at one unknown."""
+        p = len(self.drive.names)
         roots = [np.sqrt(part.weight) for part in parts]
         r, J = [], []
         for part, root in zip(parts, roots, strict=True):
             r += [(part.free_error * root).ravel(), part.prior]
-            J += [(part.free_slope * root[..., None]).reshape(-1, len(x)), part.prior_slope]
+            J += [(part.free_slope * root[..., None]).reshape(-1, p), part.prior_slope]
             if self.tightness is not None and part.strain.shape[1]:
                 tight = np.sqrt(self.tightness)
                 r.append((part.strain * tight).ravel())
-                J.append((part.strain_slope * tight[:, None]).reshape(-1, len(x)))
+                J.append((part.strain_slope * tight[:, None]).reshape(-1, p))
         return np.concatenate(r), np.concatenate(J)
 
     def _part(self, run: Run, p: Array, sure: Array) -> RunPart:
@@ -167,7 +171,9 @@ def _own(run: Run, poses: Array, root: Array, sure: Array) -> Own:
     flat = (effects * root[..., None]).reshape(-1, 4)
     normal = flat.T @ flat + np.diag(sure)
     size = np.sqrt(np.maximum(np.diagonal(normal), 1e-300))
-    inverse = np.linalg.pinv(normal / np.outer(size, size), rcond=TOLD**2, hermitian=True) / np.outer(size, size)
+    values, vectors = np.linalg.eigh(normal / np.outer(size, size))
+    told = np.where(values > TOLD**2 * values[-1], values, np.inf)
+    inverse = (vectors / told) @ vectors.T / np.outer(size, size)
     return Own(effects, root, inverse, sure)
 
 

@@ -120,18 +120,16 @@ def _normal(parts: Sequence[RunPart], q: Noise, times: Array) -> tuple[Array, Ar
     """`J^T W J` (p, p) of the paths, and the covariance of `J^T W e`, of runs so many times (runs,) as noisy as q."""
     p = parts[0].slope.shape[2]
     H, S = np.zeros((p, p)), np.zeros((p, p))
+    white = np.array([q.place, q.place, q.heading])
     for part, worse in zip(parts, times, strict=True):
-        J, w = part.free_slope, part.weight
-        H += np.einsum("kcp,kc,kcq->pq", J, w, J, optimize=True)
+        J = part.free_slope.reshape(-1, p)
+        weighted = J * part.weight.reshape(-1, 1)
+        H += J.T @ weighted + part.prior_slope.T @ part.prior_slope
         scores = _scores(part)
         walk = _outer(scores, scores, part.travel)
         S += worse * (q.shift * walk[0] + q.turn * walk[1])
-        white = np.array([q.place, q.place, q.heading])
-        S += worse * np.einsum("kcp,kc,kcq->pq", J, w**2 * white, J, optimize=True)
-        H += part.prior_slope.T @ part.prior_slope
-        start = np.einsum(
-            "kcp,kc,kcs->ps", J, w, part.own.effects[..., :3], optimize=True
-        )  # of the first pose, taken for true
+        S += worse * weighted.T @ (weighted * np.tile(white, len(part.weight))[:, None])
+        start = weighted.T @ part.own.effects[..., :3].reshape(-1, 3)  # of the first pose, taken for true
         S += worse * (start * white) @ start.T
     return H, S
 
@@ -193,7 +191,7 @@ def _outer(a: _Scores, b: _Scores, travel: Array) -> Array:
     """(2, p, p): for unit shifts, for unit turns."""
     return np.stack(
         [
-            np.einsum("kpd,k,kqd->pq", a.shift, travel, b.shift, optimize=True),
-            np.einsum("kp,k,kq->pq", a.turn, travel, b.turn, optimize=True),
+            np.tensordot(a.shift * travel[:, None, None], b.shift, axes=([0, 2], [0, 2])),
+            (a.turn * travel[:, None]).T @ b.turn,
         ]
     )
