@@ -9,6 +9,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize
 
 from holonom.arrays import Array
+from holonom.mobile.calibration.kernels import left_into
 from holonom.mobile.calibration.runs import Motion, Run, dead_reckoning, lever_of
 
 __all__ = ["Clock", "clear_clock", "clock_of", "on_the_clock_of_the_wheels", "truth_frame"]
@@ -154,15 +155,13 @@ class _Compared:
         table = np.stack([_motions(self.truth, time + late, self.half, self.lever) for late in at])
         span = float(since[-1] - since[0]) if len(since) > 1 else 1.0
         count = int(min(FASTEST * 0.5 * span, most) / (2.0 * step))
-        best, found = np.inf, np.zeros(2)
-        rows = np.arange(len(since))
-        for rate in (4.0 * step / span) * np.arange(-count, count + 1):
-            shift = np.round(rate * since / step).astype(int)
-            for k in range(0, len(at), 2 if count else 1):
-                left = _left(self.few_basis, table[np.clip(k + shift, 0, len(at) - 1), rows])
-                if left < best:
-                    best, found = left, np.array([at[k], rate])
-        return found
+        rates = (4.0 * step / span) * np.arange(-count, count + 1)
+        shifts = np.round(rates[:, None] * since / step).astype(np.int64)
+        every = 2 if count else 1
+        left = np.empty((len(rates), len(range(0, len(at), every))))
+        left_into(table, self.few_basis, shifts, every, left)
+        r, k = np.unravel_index(int(np.argmin(left)), left.shape)
+        return np.array([at[every * k], rates[r]])
 
 
 def _basis(motions: Array) -> Array:
