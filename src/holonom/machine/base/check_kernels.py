@@ -130,7 +130,8 @@ def _watch_pushes(params: PushParams, base: Any, wheels: Records, states: Record
     for i in range(m):
         wheel, own, lane = wheels[i // WIDTH], states[i // WIDTH], i % WIDTH
         asked, pushed = abs(own.asked[lane]), abs(own.pushed[lane])
-        least, slips = params.least_push * wheel.max_force[lane], (base.flagged >> i) & 1 == 1
+        least = params.least_push * wheel.max_force[lane]
+        slips = (base.flagged >> i) & 1 == 1 and base.flagged != (1 << m) - 1  # all at once are on ice
         pushing |= 1 << i if asked > least and pushed > PUSHES * asked and not slips else 0
         own.slips_for[lane] = max(own.slips_for[lane] + (params.dt if slips and pushed < least else -params.dt), 0.0)
     grips = base.status != SLIP and base.status != AMBIGUOUS
@@ -145,7 +146,7 @@ def _watch_pushes(params: PushParams, base: Any, wheels: Records, states: Record
             own.idle_ahead[lane] += params.dt if asked > 0.0 else 0.0
             own.idle_back[lane] += params.dt if asked < 0.0 else 0.0
         idle = min(own.idle_ahead[lane], own.idle_back[lane]) > params.idle
-        if own.lost[lane] == WORKS and (idle or (own.slips_for[lane] > params.loose and pushing != 0)):
+        if own.lost[lane] == WORKS and (idle or own.slips_for[lane] > params.loose):
             own.lost[lane] = OFF
 
 
