@@ -1,4 +1,4 @@
-"""Wheels that are lost are named by what they push, on any base; wheels of healthy ones never are, however it drives."""
+"""Wheels that are lost are named by what they push, on any base; those of healthy ones never, however it drives."""
 
 from __future__ import annotations
 

@@ -17,14 +17,22 @@ def drive_of(rng: np.random.Generator) -> BaseDrive:
         resistance=1.2, inductance=0.5e-3, torque_constant=0.03, back_emf_constant=0.03, rotor_inertia=1e-5,
         max_voltage=12.0, max_current=float(rng.uniform(0.5, 8.0)),
     )  # fmt: skip
-    return BaseDrive(motor, Gear(float(rng.uniform(5.0, 20.0))), Encoder(4096), wheel_inertia=float(rng.uniform(1e-5, 2e-3)))
+    return BaseDrive(
+        motor, Gear(float(rng.uniform(5.0, 20.0))), Encoder(4096), wheel_inertia=float(rng.uniform(1e-5, 2e-3))
+    )
 
 
 def test_a_differential_drive_against_newton() -> None:
     """Forwards two wheels share the mass; in turning they push at half a track; each turns its own inertia, too."""
     for seed in range(30):
         rng = np.random.default_rng(seed)
-        drive, m, r, track, mu = drive_of(rng), rng.uniform(3.0, 30.0), 0.05, rng.uniform(0.2, 0.5), rng.uniform(0.1, 0.9)
+        drive, m, r, track, mu = (
+            drive_of(rng),
+            rng.uniform(3.0, 30.0),
+            0.05,
+            rng.uniform(0.2, 0.5),
+            rng.uniform(0.1, 0.9),
+        )
         base = differential(track, r, mass=m, com=(-0.2 * track, 0.0), com_height=0.05, castor=(-track, 0.0))
         found = abilities(base, drive, mu)
         motor, N = drive.motor, drive.gear.ratio

@@ -62,7 +62,9 @@ class CheckSettings:
     )
     push: float = parameter(0.2, meaning="part of what is asked that a wheel pushes at least", above=0.0, below=1.0)
     loose: float = parameter(2.0, meaning="slip that lasts longer is no ice", unit="s", above=0.0)
-    idle: float = parameter(0.3, meaning="how long a wheel pushes nothing either way until it is off", unit="s", above=0.0)
+    idle: float = parameter(
+        0.3, meaning="how long a wheel pushes nothing either way until it is off", unit="s", above=0.0
+    )
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -80,9 +80,7 @@ def twist_about(centre: ArrayLike, rate: ArrayLike) -> Array:
     try:
         return np.stack(np.broadcast_arrays(w * y, -w * x, w), axis=-1)
     except ValueError:
-        raise ShapeError(
-            f"rate has shape {w.shape}, centre {(*x.shape, 2)}; one rate, or one per centre"
-        ) from None
+        raise ShapeError(f"rate has shape {w.shape}, centre {(*x.shape, 2)}; one rate, or one per centre") from None
 
 
 def centre_of_axles(base: ConstrainedBase, steering: ArrayLike | None = None) -> Centre:
