@@ -1,4 +1,4 @@
-"""Limits of velocities that a cell leaves out: what motors and floor allow, said in the summary, driven without slip."""
+"""Limits of velocities that a cell leaves out: what motors and floor allow, and said in the summary."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def checked(tmp_path: Path, capsys: pytest.CaptureFixture[str], **given: object)
 
 
 def test_weak_motors_and_a_slippery_floor(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """By hand: two motors of 2 A push 2 * 12 * 0.03 * 2 / 0.05 = 28.8 N against 17 kg and what their own rotors weigh."""
+    """Two motors of 2 A push 2 * 12 * 0.03 * 2 / 0.05 = 28.8 N against 17 kg and what their own rotors weigh."""
     own = 2.0 * (1e-4 + 144.0 * 1e-5) / 0.05**2
     weak = 0.85 * 28.8 / (17.0 + own)
     said = checked(tmp_path, capsys, current="2A")

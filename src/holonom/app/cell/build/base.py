@@ -217,7 +217,7 @@ def _settings(robot: Robot, sensors: BaseSensors) -> BaseSettings:
 def _able(
     robot: Robot, base: WheelBase, drive: BaseDrive, settings: BaseSettings, cell: Cell
 ) -> tuple[ShapingSettings, tuple[str, ...]]:
-    """Limits of velocities, those that the cell does not state no greater than motors and floor allow; which is said."""
+    """Limits of velocities: those that a cell leaves out no greater than motors and floor allow, which is said."""
     shaping, limits = settings.shaping, robot.limits
     assert isinstance(limits, BaseLimits)
     if robot.velocity is None or robot.drives == "ideal" or base.balances:
