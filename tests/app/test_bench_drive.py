@@ -42,6 +42,19 @@ def test_wrong_words(words: tuple[str, ...], said: str, capsys: pytest.CaptureFi
     assert said in capsys.readouterr().err
 
 
+def test_a_law_that_is_not_for_an_arrangement(capsys: pytest.CaptureFixture[str]) -> None:
+    """It is said; where nothing is left to drive it is a mistake."""
+    aside = ["synchro", "omni", "mecanum", "swerve", "sphere"]
+    assert main(["bench", "drive", *aside, "--laws", "stanley"]) == 2
+    said = capsys.readouterr().err
+    assert f"--laws stanley: not for {', '.join(aside)}, which move sideways" in said
+    assert "leave --laws out" in said
+    assert main(["bench", "drive", "omni", "differential", "--laws", "stanley", "--small", "-q"]) == 0
+    printed = capsys.readouterr().out
+    assert "note: stanley: not for omni, which move sideways" in printed
+    assert "differential  stanley" in printed
+
+
 def test_bench_alone_stays_a_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["bench", "nothing_of_the_kind"]) == 2
     assert "no benchmark 'nothing_of_the_kind'" in capsys.readouterr().err

@@ -7,9 +7,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from holonom.errors import InputError, ShapeError
+from holonom.mobile import poses
 from holonom.mobile.arrangements import ackermann, ackermann_steering, differential, mecanum
 from holonom.mobile.base import WheelBase
-from holonom.mobile.base.centre import centre_of_axles, centre_of_twist
+from holonom.mobile.base.centre import centre_of_axles, centre_of_rotation, centre_of_twist, twist_about
 from holonom.mobile.base.wheel import Wheel
 
 
@@ -28,6 +29,25 @@ def test_straight_motions_and_rest():
     assert np.isinf(found.point[:3]).all()
     with pytest.raises(ShapeError, match="twist"):
         centre_of_twist([1.0, 0.0])
+
+
+@given(twists)
+def test_a_twist_is_its_centre_and_its_rate(v):
+    assume(abs(v[2]) > 1e-3)
+    centre = centre_of_rotation(v)
+    np.testing.assert_allclose(twist_about(centre, v[2]), v, atol=1e-9)
+    np.testing.assert_allclose(poses.twist_at(v, centre), [0.0, 0.0, v[2]], atol=1e-9)
+    turned = poses.moved(np.zeros(3), v, 0.3)  # the base moves, its centre of rotation does not
+    c, s = np.cos(turned[2]), np.sin(turned[2])
+    np.testing.assert_allclose(turned[:2] + [[c, -s], [s, c]] @ centre, centre, atol=1e-9 * (1.0 + abs(centre).max()))
+
+
+def test_centres_and_rates_that_are_none():
+    assert np.isinf(centre_of_rotation([1.0, 0.0, 0.0])).all()
+    assert twist_about([[0.0, 1.0], [2.0, 0.0]], 0.5).tolist() == [[0.5, 0.0, 0.5], [0.0, -1.0, 0.5]]
+    for centre, rate in (([np.inf, 0.0], 1.0), ([0.0], 1.0), ([0.0, 1.0], np.nan), ([[0.0, 1.0]] * 2, [1.0] * 3)):
+        with pytest.raises(ShapeError, match=r"centre|rate"):
+            twist_about(centre, rate)
 
 
 @given(st.floats(0.5, 4), st.floats(0.3, 2), st.floats(-1.2, 1.2))

@@ -5,8 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from holonom.app.about.drive_bench.bases import BASES
+from holonom.closed_loop import simulate_base
 from holonom.errors import CalibrationError, OutOfLimits, ShapeError
+from holonom.machine import PATHS, PathLimits, plan_path
+from holonom.mobile.base.drivable import moves_sideways
 from holonom.mobile.drive.identification import MotorConstants, identify_drive, mechanics_of
+from holonom.mobile.drive.sized import sized_base_drive
 
 TICKS = 4096
 
@@ -53,6 +58,27 @@ def test_constants_from_ticks_and_from_noisy_speeds_and_how_sure() -> None:
         assert np.all((normal.std(0) > 0.6) & (normal.std(0) < 1.6))
     inside = np.abs(by_speed) < 2.0
     assert 0.85 < inside.mean() < 0.995
+
+
+def test_on_the_floor_two_deviations_hold_the_truth() -> None:
+    """Bases on an eight without friction: kS is 0, kV the data sheet's back EMF; wheels push each other, and creep."""
+    inside = []
+    for name in ("differential", "ackermann", "mecanum", "omni", "dual_ackermann"):
+        base = BASES[name]()
+        drive = sized_base_drive(base, 2.0, 2.0)
+        heading = "fixed" if moves_sideways(base) else "tangent"
+        path = plan_path(PATHS.make("figure_of_eight", {"size": 4.0}), PathLimits(1.0, 1.0), heading=heading)
+        log = simulate_base(base, drive, path, rng=np.random.default_rng(2))
+        back_emf = drive.motor.back_emf_constant * drive.gear.ratio
+        unit = 2.0 * np.pi / drive.encoder.counts_per_rev / drive.gear.ratio
+        for k in range(len(base.driven)):
+            angle = unit * np.floor(log.wheel_angles[:, k] / unit)
+            found = identify_drive(log.time, log.voltages[:, k], angle=angle, loaded=True)
+            inside += [
+                abs(found.kS.value) < 2.0 * found.kS.sigma,
+                abs(found.kV.value - back_emf) < 2.0 * found.kV.sigma,
+            ]
+    assert np.mean(inside) >= 0.95
 
 
 def test_inertia_and_friction_by_the_data_sheet() -> None:

@@ -5,8 +5,8 @@ Twists are (vx, vy, w) in base_link, x forwards and y to the left; poses (x, y, 
 Wheels and bases
     `Wheel`, `WheelBase`; arrangements by name: `differential`, `tricycle`, `bicycle`, `ackermann`, `dual_ackermann`,
     `skid_steer`, `rocker6`, `segway`, `synchro`, `omni`, `mecanum`, `swerve`, `sphere`; `mobility`,
-    `degrees_of_freedom`, `is_holonomic`, `conflicting_wheels`; `centre_of_twist`, `centre_of_axles`,
-    `castor_rates`, `castor_twist`; `wheel_rates` (second order).
+    `degrees_of_freedom`, `is_holonomic`, `conflicting_wheels`; `centre_of_rotation`, `twist_about`,
+    `centre_of_twist`, `centre_of_axles`, `castor_rates`, `castor_twist`; `wheel_rates` (second order).
     `load_base` reads wheels from a URDF or xacro file, `base_urdf` writes one.
 Standing and tipping over
     `support_polygon`, `static_margin`, `zero_moment_point`, `dynamic_margin`, `acceleration_limit`, `lateral_limit`,
@@ -46,7 +46,14 @@ from holonom.mobile.arrangements import (
     tricycle,
 )
 from holonom.mobile.base.castors import CastorRates, castor_rates, castor_twist
-from holonom.mobile.base.centre import Centre, axle_miss, centre_of_axles, centre_of_twist
+from holonom.mobile.base.centre import (
+    Centre,
+    axle_miss,
+    centre_of_axles,
+    centre_of_rotation,
+    centre_of_twist,
+    twist_about,
+)
 from holonom.mobile.base.mobility import (
     Mobility,
     conflicting_wheels,
@@ -146,6 +153,7 @@ __all__ = [
     "castor_rates",
     "castor_twist",
     "centre_of_axles",
+    "centre_of_rotation",
     "centre_of_twist",
     "conflicting_wheels",
     "contact_points",
@@ -189,6 +197,7 @@ __all__ = [
     "towed",
     "tricycle",
     "turning_speed",
+    "twist_about",
     "wheel_forces",
     "wheel_loads",
     "wheel_rates",

@@ -43,6 +43,7 @@ class _Wheel:
     voltage: Array
     angle: Array | None
     speed: Array | None
+    loaded: bool = False
 
 
 def calibrate_drive(log: Path, *, motor: MotorConstants | None = None, output: Path | None = None) -> Answer:
@@ -65,13 +66,15 @@ def calibrate_drive(log: Path, *, motor: MotorConstants | None = None, output: P
     refused = []
     for name, wheel in wheels.items():
         try:
-            found[name] = identify_drive(wheel.time, wheel.voltage, angle=wheel.angle, speed=wheel.speed)
+            found[name] = identify_drive(
+                wheel.time, wheel.voltage, angle=wheel.angle, speed=wheel.speed, loaded=wheel.loaded
+            )
         except CalibrationError as error:
             refused.append(f"{name}: {error}")
     if refused:
         raise CalibrationError(f"{log}: " + "\n".join(refused))
     data: dict[str, Any] = {"log": str(log), "wheels": {name: _data(drive, motor) for name, drive in found.items()}}
-    data["notes"] = list(notes)
+    data["notes"] = [*notes, *_untold(found)]
     if output is not None:
         path = prepare_output(output) / FILE
         path.write_text(json.dumps(data, indent=2, allow_nan=False) + "\n", encoding="utf-8")
@@ -136,14 +139,27 @@ def _recorded(path: Path) -> tuple[dict[str, _Wheel], tuple[str, ...]]:
                        "record them together")  # fmt: skip
     unit = 2.0 * math.pi / base.counts_per_turn / base.gear_ratio
     wheels = {
-        name: _Wheel(drives.time[:n], drives.voltage[:n, k], unit * counts.count[:n, k].astype(np.float64), None)
+        name: _Wheel(drives.time[:n], drives.voltage[:n, k], unit * counts.count[:n, k].astype(np.float64), None, True)
         for k, name in enumerate(base.wheels)
     }
     note = (
-        f"{path}: voltages as commanded at the samples; with wheels on the floor kA holds the base's share of mass, "
-        "and in curves they push each other: kS and kV are rough"
+        f"{path}: voltages as commanded at the samples; on the floor kA holds the base's share of mass, and slope, "
+        "creep and wheels that push each other are in all three: deviations hold for the worst that a load of the "
+        "misfit's size does; lift the wheels for kS and kV alone"
     )
     return wheels, (note,)
+
+
+def _untold(found: Mapping[str, DriveConstants]) -> list[str]:
+    """Which constants of which wheels the log does not tell from zero, as far as they are sure."""
+    said = []
+    for key in UNITS:
+        open_ = [
+            name for name, drive in found.items() if abs(getattr(drive, key).value) <= 2.0 * getattr(drive, key).sigma
+        ]
+        if open_:
+            said.append(f"{key} of {', '.join(open_)} is not told from zero")
+    return said
 
 
 def _data(drive: DriveConstants, motor: MotorConstants | None) -> dict[str, Any]:

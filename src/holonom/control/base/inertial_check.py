@@ -7,7 +7,10 @@ from typing import NamedTuple
 
 from holonom.registry import check_fields, parameter
 
-__all__ = ["CheckParams", "CheckSettings"]
+__all__ = ["EVERY", "CheckParams", "CheckSettings", "PushParams"]
+
+EVERY = 8
+"""Samples of which the watch over what wheels push looks at one."""
 
 
 class CheckParams(NamedTuple):
@@ -22,10 +25,16 @@ class CheckParams(NamedTuple):
     persistence: int
     release: int
     patience: float
+
+
+class PushParams(NamedTuple):
+    """Of the watch over what wheels push; as in `CheckSettings`, at a time of `EVERY` samples."""
+
+    dt: float
     least_push: float
     push: float
-    memory: float
     loose: float
+    idle: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +42,7 @@ class CheckSettings:
     """Slip of wheels that determine the twist alone, by sensors of inertia; laws in `machine.base.check_kernels`.
 
     Velocity by the accelerometers is blended with that by the wheels; a rim that is farther from it than bound, drift
-    and turn allow, slips. Wheels that a motor drives and that push nothing are off.
+    and turn allow, slips. Wheels of any base that push nothing are off: their motors' torque only turns them.
 
     Raises
     ------
@@ -52,8 +61,10 @@ class CheckSettings:
         0.1, meaning="part of its largest force that says something when asked", above=0.0, below=1.0
     )
     push: float = parameter(0.2, meaning="part of what is asked that a wheel pushes at least", above=0.0, below=1.0)
-    memory: float = parameter(0.5, meaning="over which pushes are compared", unit="s", above=0.0)
     loose: float = parameter(2.0, meaning="slip that lasts longer is no ice", unit="s", above=0.0)
+    idle: float = parameter(
+        0.3, meaning="how long a wheel pushes nothing either way until it is off", unit="s", above=0.0
+    )
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -62,5 +73,9 @@ class CheckSettings:
         """Params of the check at a sample time, s."""
         return CheckParams(
             dt, self.bound, self.turn, self.drift, self.blend, self.learning, max(round(self.persistence / dt), 1),
-            max(round(self.release / dt), 1), self.patience, self.least_push, self.push, self.memory, self.loose,
+            max(round(self.release / dt), 1), self.patience,
         )  # fmt: skip
+
+    def pushes(self, dt: float) -> PushParams:
+        """Params of the watch over pushes at a sample time, s."""
+        return PushParams(EVERY * dt, self.least_push, self.push, self.loose, self.idle)

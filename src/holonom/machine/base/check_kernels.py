@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from holonom.arrays import Array
-from holonom.control.base.inertial_check import CheckParams
+from holonom.control.base.inertial_check import EVERY, CheckParams, PushParams
 from holonom.control.base.kernels import OFF, WORKS, Planar
 from holonom.devices.drive_signals import WheelSignals
 from holonom.devices.transmission.kernels import friction_torque
@@ -43,6 +43,9 @@ ASTRAY = 0.05  # rad that a steering motor may be off
 HELD = 0.2  # s for which it does not move then, until it is stuck
 LEAST_ARM = 0.2  # of the wheels' reach: a stuck wheel nearer to the axle through the middle lets no path be kept
 MOST_TURN = 3.0  # rad/s that a base turns about a stuck wheel
+PUSHES = 0.5  # part of what is asked, from which on a wheel pushes
+DOUBTED = 5.0  # how much more a push says than none
+FULL = 0.99  # of the supply, from which on a motor is at the end of its voltage
 INDEPENDENT = 1e-3  # part of a row that others do not have
 Records = NDArray[np.void]
 
@@ -100,39 +103,49 @@ def _check(params: CheckParams, base: Any, m: int, rows: Array, gripping: Array,
 
 
 @loop(error_model="numpy", forceinline=True)
-def watch_pushes(params: CheckParams | None, base: Any, wheels: Records, states: Records, m: int) -> None:
+def watch_pushes(params: PushParams | None, base: Any, wheels: Records, states: Records, m: int) -> None:
     """Give up wheels that push nothing of what is asked, or slip for good, while others push."""
     if params is not None:
-        _watch_pushes(params, base, wheels, states, m)
+        base.unwatched += 1
+        if base.unwatched >= EVERY:
+            base.unwatched = 0
+            _watch_pushes(params, base, wheels, states, m)
 
 
 @loop(error_model="numpy")
-def _watch_pushes(params: CheckParams, base: Any, wheels: Records, states: Records, m: int) -> None:
+def _watch_pushes(params: PushParams, base: Any, wheels: Records, states: Records, m: int) -> None:
+    """`f = (tau - J dw/dt) / r`: what a motor's torque does not turn its own wheel with, the wheel pushes with.
+
+    A wheel that is off turns with all of it, whichever way it is asked to push; one of several that push against each
+    other may push nothing one way, but not both. A motor at the end of its voltage tells nothing.
+    """
     if base.dead != 0 or base.lodged != 0 or base.astray != 0:  # what is asked of wheels then is not what they can
         return
-    keep = 1.0 - params.dt / params.memory
     for k in range(len(wheels)):
         wheel, own = packed(wheels[k]), packed(states[k])
         torque = wheel.torque_constant * own.measured_current - friction_torque(wheel.friction, own.seen_speed)
-        own.pushed = torque * wheel.gear.ratio * wheel.gear.efficiency / wheel.radius
-    pushes = 0  # wheels that do push
+        turning = wheel.inertia * own.seen_load / wheel.gear.ratio
+        own.pushed = (torque * wheel.gear.ratio * wheel.gear.efficiency - turning) / wheel.radius
+    pushing = 0  # wheels that push as they are asked
     for i in range(m):
         wheel, own, lane = wheels[i // WIDTH], states[i // WIDTH], i % WIDTH
-        slips, asked = (base.flagged >> i) & 1 == 1, own.asked[lane]
-        own.slips_for[lane] = own.slips_for[lane] + params.dt if slips else 0.0
-        if base.status == NO_SLIP:
-            own.asked_square[lane] = keep * own.asked_square[lane] + params.dt * asked * asked
-            own.pushed_square[lane] = keep * own.pushed_square[lane] + params.dt * own.pushed[lane] * own.pushed[lane]
+        asked, pushed = abs(own.asked[lane]), abs(own.pushed[lane])
         least = params.least_push * wheel.max_force[lane]
-        told = own.asked_square[lane] > least * least * params.memory
-        pushes += 1 if told and not slips and own.pushed_square[lane] > 0.25 * own.asked_square[lane] else 0
-    if pushes == 0:  # all on ice, it may be
-        return
+        slips = (base.flagged >> i) & 1 == 1 and base.flagged != (1 << m) - 1  # all at once are on ice
+        pushing |= 1 << i if asked > least and pushed > PUSHES * asked and not slips else 0
+        own.slips_for[lane] = max(own.slips_for[lane] + (params.dt if slips and pushed < least else -params.dt), 0.0)
+    grips = base.status != SLIP and base.status != AMBIGUOUS
     for i in range(m):
         wheel, own, lane = wheels[i // WIDTH], states[i // WIDTH], i % WIDTH
-        least, enough = params.least_push * wheel.max_force[lane], params.push * params.push
-        told = base.status == NO_SLIP and own.asked_square[lane] > least * least * params.memory
-        idle = told and own.pushed_square[lane] < enough * own.asked_square[lane]
+        asked, least = own.asked[lane], params.least_push * wheel.max_force[lane]
+        told = grips and abs(asked) > least and abs(own.voltage[lane]) < FULL * wheel.armature.max_voltage[lane]
+        if (pushing >> i) & 1 == 1:
+            own.idle_ahead[lane] = max(own.idle_ahead[lane] - DOUBTED * params.dt, 0.0)
+            own.idle_back[lane] = max(own.idle_back[lane] - DOUBTED * params.dt, 0.0)
+        elif told and pushing != 0 and abs(own.pushed[lane]) < params.push * abs(asked):  # else all may be on ice
+            own.idle_ahead[lane] += params.dt if asked > 0.0 else 0.0
+            own.idle_back[lane] += params.dt if asked < 0.0 else 0.0
+        idle = min(own.idle_ahead[lane], own.idle_back[lane]) > params.idle
         if own.lost[lane] == WORKS and (idle or own.slips_for[lane] > params.loose):
             own.lost[lane] = OFF
 

@@ -131,7 +131,7 @@ def control_step(
     check_inertia(params.check, base, work)
     if params.compensate:
         watch_steering(params.steered, base, signals, work.held)
-        watch_pushes(params.check, base, wheels, states, len(work.rows))
+        watch_pushes(params.pushes, base, wheels, states, len(work.rows))
     _react(params, task.path, base, signals, wheels, states, work)
     change = max(min((base.goal - base.rate) / params.keeping.dt, params.rate_change), -params.rate_change)
     twist = _estimate(params.estimate, work.estimate_rows, base, work)
@@ -241,7 +241,7 @@ def _react(
     _lame(params, base, work)
     base.pinned = 1 if params.sideways and pin(params.steered, base, signals, work.pin) else 0
     left = drives_on(work.rows, params.drivable, work.weights, params.lever)
-    unseen = len(params.skid.wheels) > 0 and base.blind != 0  # how wheels skid is seen by all of them
+    unseen = len(params.skid.wheels) > 0 and base.blind | base.loose != 0  # how wheels skid is seen by all of them
     base.crippled = 1 if left < params.freedoms or (base.lodged != 0 and base.pinned == 0) or unseen else 0
     if new and (base.jams != 0 or base.crippled != 0):
         base.goal = 0.0

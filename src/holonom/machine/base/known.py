@@ -10,7 +10,7 @@ import numpy as np
 from holonom.arrays import Array
 from holonom.control import ServoAxis
 from holonom.control.base.force_kernels import Body
-from holonom.control.base.inertial_check import CheckParams
+from holonom.control.base.inertial_check import CheckParams, PushParams
 from holonom.control.base.kernels import EstimateParams, WatchParams
 from holonom.control.base.shaping_kernels import AxisShape
 from holonom.control.base.skid_kernels import SkidParams
@@ -46,6 +46,9 @@ FIRST = {"both": (1.0, 1.0, 1.0), "path": (1.0, 1.0, 0.03), "heading": (0.03, 0.
 SHARP = 0.6  # of the slip at which friction saturates: a skidding wheel slips far beyond where it is linear
 LEANING_PULL = 5.0  # m/s2 that wheels correct the estimate of a body by whose accelerometers lean with it
 SURE, LEVEL = 6.0, 0.02  # deviations that noise is not beyond; m/s2 that no slope is
+PUSHING = ("fixed", "steered", "swedish", "skid")
+"""Kinds of wheels that one motor turns, and whose push is what its torque does not turn them with."""
+SKIDDING_IDLE = 3.0  # how much longer wheels that skid, and drag each other, may push nothing
 LEAST_LOAD = 1e-3  # part of the weight below which a wheel carries nothing to speak of
 
 
@@ -78,6 +81,7 @@ def base_params(
         watch=_watch_params(base, settings),
         slip=slipping,
         check=_check_params(base, settings, drivable),
+        pushes=_push_params(base, settings),
         steered=_steered_params(base, drive) if base.steered else None,
         balance=_balance(base, drive, settings, most),
         drivable=np.ascontiguousarray(drivable),
@@ -135,6 +139,15 @@ def _check_params(base: WheelBase, settings: BaseSettings, drivable: Array) -> C
     if settings.check is None or settings.slip is None or omni or base.balances or skids(base.wheels):
         return None
     return settings.check.params(TICK)
+
+
+def _push_params(base: WheelBase, settings: BaseSettings) -> PushParams | None:
+    """Of any base that stands; driven castors push by their pivots' motors, too, and balls turn as two drives do."""
+    known = all(wheel.kind in PUSHING and not wheel.powered_castor for wheel in base.wheels if wheel.driven)
+    if settings.check is None or settings.slip is None or base.balances or not known:
+        return None
+    params = settings.check.pushes(TICK)
+    return params._replace(idle=SKIDDING_IDLE * params.idle) if skids(base.wheels) else params
 
 
 def _freedoms(base: WheelBase, rows: Array, drivable: Array) -> int:

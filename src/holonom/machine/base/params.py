@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from holonom.arrays import Array
 from holonom.control.base.force_kernels import Body
-from holonom.control.base.inertial_check import CheckParams
+from holonom.control.base.inertial_check import CheckParams, PushParams
 from holonom.control.base.kernels import EstimateParams, KeepingParams, TractionParams, WatchParams
 from holonom.control.base.shaping_kernels import ShapingParams
 from holonom.control.base.skid_kernels import SkidParams
@@ -30,6 +30,7 @@ class BaseParams(NamedTuple):
     skid: SkidParams
     slip: SlipParams
     check: CheckParams | None  # of wheels without a spare one; None: they are not checked by inertia
+    pushes: PushParams | None  # None: what wheels push is not watched
     steered: SteeredParams | None  # None: no wheel steers
     balance: BalanceParams | None  # None: its body does not balance
     drivable: Array  # (3, 3) twist to the nearest one that drags no wheel, once those that steer have turned

@@ -59,11 +59,11 @@ SEEN_WHEEL = np.dtype(
         ("force_y", F),
         ("force_turn", F),
         ("cut", F),  # traction control: part of the drive force that is left, 0 to 1
-        ("asked", F),  # rim force (N) that was asked of it, and what its current pushes
+        ("asked", F),  # rim force (N) that was asked of it, and what its current pushes beside turning it
         ("pushed", F),
-        ("asked_square", F),  # N^2 s, squares of what was asked and of what was pushed, over a while
-        ("pushed_square", F),
-        ("slips_for", F),  # s for which it was said to slip
+        ("slips_for", F),  # s for which it slips and pushes nothing
+        ("idle_ahead", F),  # s for which it pushed nothing while asked to push ahead, and back
+        ("idle_back", F),
     ]
 )
 """What the controller remembers of one driven wheel."""
@@ -106,6 +106,7 @@ CONTROL_STATE = padded(
         ("check_zero_y", F),
         ("check_since", F),  # s for which no wheel agrees with it
         ("check_raised", I),  # samples that speak for slip
+        ("unwatched", I),  # samples since it was looked at what wheels push
         ("lame", I),  # 1: the motors that are left cannot push every way
         ("unseen_x", F),  # then the twist that turns no wheel which is left
         ("unseen_y", F),

@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from holonom.arrays import Array, vectors
-from holonom.errors import InputError
+from holonom.arrays import Array, finite, vectors
+from holonom.errors import InputError, ShapeError
 from holonom.mobile.base.protocol import ConstrainedBase
 
-__all__ = ["Centre", "axle_miss", "centre_of_axles", "centre_of_twist"]
+__all__ = ["Centre", "axle_miss", "centre_of_axles", "centre_of_rotation", "centre_of_twist", "twist_about"]
 
 FAR = 1e-9
 """Turn per path over the base's size below which a motion counts as straight."""
@@ -48,6 +48,39 @@ def centre_of_twist(twist: ArrayLike) -> Centre:
     w = np.where(far, 1.0, xi[..., 2])[..., None]
     point = np.where(far[..., None], np.inf, toward / w)
     return Centre(point, _unit(np.where(far[..., None], toward, toward / w)), far, np.zeros(far.shape))
+
+
+def centre_of_rotation(twist: ArrayLike) -> Array:
+    """Centre of rotation (..., 2), m in base_link, of a twist (..., 3): its point alone; infinite of a straight motion.
+
+    Raises
+    ------
+    ShapeError
+
+    Notes
+    -----
+    `centre_of_twist` says beside it in which direction a centre at infinity lies.
+    """
+    return centre_of_twist(twist).point
+
+
+def twist_about(centre: ArrayLike, rate: ArrayLike) -> Array:
+    """Twist (..., 3) of base_link that turns about a centre (..., 2), m in base_link, at a rate (...), rad/s.
+
+    `(w y, -w x, w)`: the centre itself stands still. `centre_of_rotation` is the other way about. A straight motion has
+    no centre and is given as a twist.
+
+    Raises
+    ------
+    ShapeError
+        A centre that is not two finite numbers, rates that do not fit the centres.
+    """
+    x, y = np.moveaxis(vectors("centre", centre, 2), -1, 0)
+    w = finite("rate", rate)
+    try:
+        return np.stack(np.broadcast_arrays(w * y, -w * x, w), axis=-1)
+    except ValueError:
+        raise ShapeError(f"rate has shape {w.shape}, centre {(*x.shape, 2)}; one rate, or one per centre") from None
 
 
 def centre_of_axles(base: ConstrainedBase, steering: ArrayLike | None = None) -> Centre:

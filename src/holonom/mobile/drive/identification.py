@@ -87,8 +87,9 @@ class MotorConstants:
 
 
 def identify_drive(
-    time: ArrayLike, voltage: ArrayLike, *, angle: ArrayLike | None = None, speed: ArrayLike | None = None
-) -> DriveConstants:
+    time: ArrayLike, voltage: ArrayLike, *, angle: ArrayLike | None = None, speed: ArrayLike | None = None,
+    loaded: bool = False,
+) -> DriveConstants:  # fmt: skip
     """Identify the drive of one wheel from a slow ramp and a step of its voltage.
 
     Parameters
@@ -97,6 +98,9 @@ def identify_drive(
     voltage : (N,) V, each held until the next sample.
     angle : (N,) of the wheel, rad, running on; or instead
     speed : (N,) rad/s.
+    loaded : whether the floor and other wheels push it. What they push with is no noise: it lasts, and goes with the
+        motion, so that no number of samples averages it out. Standard deviations then hold for the worst that a load
+        of the size of the misfit can do.
 
     Raises
     ------
@@ -125,7 +129,7 @@ def identify_drive(
             f"it turns steadily for {len(rows)} windows of {SPAN:g} s, {FEWEST} are needed: record a slow ramp of the "
             "voltage and a step, both long enough to turn"
         )
-    return _fitted(rows, right, weights)
+    return _fitted(rows, right, weights, loaded=loaded)
 
 
 def mechanics_of(drive: DriveConstants, motor: MotorConstants) -> Mapping[str, Estimate]:
@@ -226,7 +230,7 @@ def _window(first: int, t: Array, *, by_angle: bool) -> _Window:
     return _Window(first, np.diff(area), g * share, -slope * share)
 
 
-def _fitted(rows: Array, right: Array, windows: list[_Window]) -> DriveConstants:
+def _fitted(rows: Array, right: Array, windows: list[_Window], *, loaded: bool) -> DriveConstants:
     size: Array = np.asarray(np.linalg.norm(rows, axis=0), dtype=np.float64)
     if np.any(size == 0.0):
         raise CalibrationError("its speed never changes: record a slow ramp of the voltage and a step")
@@ -243,9 +247,13 @@ def _fitted(rows: Array, right: Array, windows: list[_Window]) -> DriveConstants
     covariance = np.asarray(variance * inverse / np.outer(size, size), dtype=np.float64)
     _check_open(k, covariance, np.asarray(A / size), size)
     area = np.array([window.by_voltage.sum() for window in windows])
+    misfit = float(np.sqrt((((right - rows @ k) / area) ** 2).mean()))
+    if loaded:
+        worst = misfit * np.abs(inverse / np.outer(size, size) @ A.T @ root * area).sum(axis=1)
+        grown = np.sqrt(1.0 + worst**2 / np.diagonal(covariance))
+        covariance = covariance * np.outer(grown, grown)
     sigma = np.sqrt(np.diagonal(covariance))
     kS, kV, kA = (Estimate(float(v), float(s)) for v, s in zip(k, sigma, strict=True))
-    misfit = float(np.sqrt((((right - rows @ k) / area) ** 2).mean()))
     return DriveConstants(kS, kV, kA, covariance, misfit)
 
 

@@ -16,7 +16,7 @@ from holonom.app.console.answer import Answer
 from holonom.app.console.output import prepare_output
 from holonom.app.console.printable import say
 from holonom.control import PATH_LAWS
-from holonom.errors import UnknownName
+from holonom.errors import UnknownName, UsageError
 
 __all__ = ["FILE", "bench_drive"]
 
@@ -69,11 +69,14 @@ def bench_drive(
     ------
     UnknownName
         No such arrangement or law.
+    UsageError
+        None of the laws is for any of the arrangements.
     """
     for kind, asked, known in (("arrangement", arrangements, BASES), ("law of a path", laws, PATH_LAWS)):
         for name in asked:
             if name not in known:
                 raise UnknownName(kind, name, known)
+    notes = _unfit(arrangements, laws)
     folder = prepare_output(output) if output is not None else None
     driven: list[Driven] = []
     grown: list[Growth] = []
@@ -83,17 +86,36 @@ def bench_drive(
             say(f"{name} ...", error=True)
         for where in ("straight",) if small else tuple(COURSES):
             path = course(where, base)
-            own = [law for law in laws_for(base) if not laws or law in laws or law not in PATH_LAWS]
+            own = [law for law in laws_for(base) if not laws or law in laws]
             driven += [drive(base, name, law, where, path, seed) for law in own]
         grown += growths(base, name, runs=20 if small else SIMULATED, seed=seed)
     data = {"driven": [asdict(row) for row in driven], "growth": [asdict(row) for row in grown], "small": small}
+    data["notes"] = notes
     if folder is not None:
         (folder / FILE).write_text(json.dumps(data, indent=2) + "\n", encoding="utf-8")
     tables = (_laws(driven), _best(driven), _growth(grown))
     if markdown:
         page = [part for lead, rows in zip((HEAD, BEST, GROWTH), tables, strict=True) for part in (lead, _page(rows))]
         return Answer("\n".join(page), data)
-    return Answer("\n\n".join(_plain(rows) for rows in tables), data)
+    told = [f"note: {note}" for note in notes]
+    return Answer("\n\n".join([*(_plain(rows) for rows in tables if len(rows) > 1), *told]), data)
+
+
+def _unfit(arrangements: Sequence[str], laws: Sequence[str]) -> list[str]:
+    """Which laws that were asked for are not for which arrangements; nothing where none was asked for."""
+    if not laws:
+        return []
+    names = tuple(arrangements or BASES)
+    unfit = [name for name in names if not set(laws) & set(laws_for(BASES[name]()))]
+    if not unfit:
+        return []
+    text = (
+        f"{', '.join(laws)}: not for {', '.join(unfit)}, which move sideways and keep a path along and across at once; "
+        "there is no law to choose"
+    )
+    if len(unfit) == len(names):
+        raise UsageError(f"--laws {text}: leave --laws out, or name arrangements that do not move sideways")
+    return [text]
 
 
 def _laws(driven: Iterable[Driven]) -> list[list[str]]:

@@ -23,6 +23,7 @@ from holonom.errors import CellError, InputError, ModelError
 from holonom.machine import BaseSettings, ReferencePath
 from holonom.mobile import BaseDrive, BaseSensors, WheelBase
 from holonom.mobile.base.payload import Payload, loaded
+from holonom.mobile.drive.abilities import abilities
 from holonom.mobile.drive.base_drive import stands_in_line
 from holonom.mobile.drive.sized import sized_base_drive, usual_steering
 from holonom.sim import BaseFault
@@ -34,6 +35,7 @@ __all__ = ["build_base_job", "deck_height", "refuse_unsimulated", "unsimulated"]
 
 DECK = 2.6
 """Height of a drawn deck over the radius of the largest wheel."""
+ABLE = 0.85  # part of what motors and floor give that velocities may need; the rest is for errors
 AWAY = 1e-3  # m and rad that the start of a path may lie beside the pose that a cell states
 
 
@@ -85,6 +87,8 @@ def build_base_job(cell: Cell, number: int, path: Path, sensors: BaseSensors) ->
         task = base_task(robot)
         key = "limits"
         settings = _settings(robot, sensors)
+        shaping, able = _able(robot, base, drive, settings, cell)
+        settings = dataclasses.replace(settings, shaping=shaping)
         key = "pose"
         lean = _lean(robot)
         key = "law"
@@ -92,7 +96,7 @@ def build_base_job(cell: Cell, number: int, path: Path, sensors: BaseSensors) ->
     except InputError as problem:
         keys = ("path", key) if key == "law" else (key,)
         raise CellError(f"{place_in(path, *at, *keys)}: {problem}") from None
-    notes += told
+    notes += (*told, *able)
     if task.path is not None:
         notes += check_path(robot, task, path, at, simulated=unsimulated(base) is None)
     _check_stand(base, path, at)
@@ -208,6 +212,40 @@ def _settings(robot: Robot, sensors: BaseSensors) -> BaseSettings:
         keep=robot.path.keep if robot.path is not None else settings.keep,
         balance=settings.balance if robot.balance is None else robot.balance.make(),
     )
+
+
+def _able(
+    robot: Robot, base: WheelBase, drive: BaseDrive, settings: BaseSettings, cell: Cell
+) -> tuple[ShapingSettings, tuple[str, ...]]:
+    """Limits of velocities: those that a cell leaves out no greater than motors and floor allow, which is said."""
+    shaping, limits = settings.shaping, robot.limits
+    assert isinstance(limits, BaseLimits)
+    if robot.velocity is None or robot.drives == "ideal" or base.balances:
+        return shaping, ()
+    found = abilities(base, drive, min(settings.friction, cell.floor.friction))
+    ahead, aside, turn = found["forwards"], found["sideways"], found["turning"]
+    most = {
+        "speed": (ahead.speed, "m/s"),
+        "acceleration": (ABLE * ahead.acceleration, "m/s2"),
+        "turn_rate": (turn.speed, "rad/s"),
+        "turn_acceleration": (ABLE * turn.acceleration, "rad/s2"),
+    }
+    for key, value, unit in (
+        ("speed", aside.speed, "m/s"), ("acceleration", ABLE * aside.acceleration, "m/s2")
+    ):  # fmt: skip
+        if key not in limits.model_fields_set:
+            most[f"side_{key}"] = (min(value, most[key][0]), unit)
+    less, said = {}, []
+    for key, (able, unit) in most.items():
+        usual = getattr(shaping, key)
+        usual = getattr(shaping, key.removeprefix("side_")) if usual is None else usual
+        if key in limits.model_fields_set or able >= usual:
+            continue
+        less[key] = float(f"{able:.3g}")
+        if not (key.startswith("side_") and less[key] == less.get(key.removeprefix("side_"))):
+            said.append(f"{key} {less[key]:g} {unit}")
+    text = f"limits of velocities that are not stated are what motors and floor allow: {', '.join(said)}"
+    return dataclasses.replace(shaping, **less), (text,) if said else ()
 
 
 def _check_balance(robot: Robot, base: WheelBase, path: Path, at: tuple[str | int, ...]) -> tuple[str, ...]:
