@@ -108,7 +108,8 @@ def records(cell: CellCopy, status: int, text: str, place: str) -> Recording:
 
 def assert_stops(recording: Recording) -> None:
     """The arm is at rest at the end; its reference never brakes or speeds up harder than the joints may."""
-    assert np.abs(recording.true_joints.velocity[-1]).max() < 0.02
+    moved = np.diff(recording.true_joints.position[-3:], axis=0)  # a joint that sticks may slip a little at the last
+    assert np.abs(moved[-1]).max() < 2e-4
     assert np.abs(recording.reference.velocity[-1]).max() < 1e-9
     limit = load_arm("puma560").limits.acceleration
     change = np.abs(np.diff(recording.reference.velocity, axis=0)).max(0) / 0.01
@@ -178,7 +179,8 @@ def test_a_drive_fault_names_the_axis_and_holds_the_arm(cell: CellCopy) -> None:
     assert place, text
     recording = records(cell, status, text, place[1])
     assert re.search("waist|shoulder|elbow|wrist|flange", text), text
-    assert np.abs(recording.true_joints.velocity[-1]).max() < 0.02
+    moved = np.diff(recording.true_joints.position[-3:], axis=0)  # a joint that sticks may slip a little at the last
+    assert np.abs(moved[-1]).max() < 2e-4
 
 
 def test_another_seed_is_in_the_summary(cell: CellCopy) -> None:

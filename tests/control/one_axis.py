@@ -25,6 +25,7 @@ from holonom.devices import (
     EncoderParams,
     Friction,
     Gear,
+    FrictionParams,
     GearParams,
     StictionParams,
     TrackingParams,
@@ -59,6 +60,7 @@ SUPPLY = 40.0
 class Axis(NamedTuple):
     armature: ArmatureParams
     friction: StictionParams
+    known_friction: FrictionParams  # as a controller feeds it forward
     gear: GearParams
     encoder: EncoderParams
     tracking: TrackingParams
@@ -113,6 +115,7 @@ def puma_axis(number: int, *, friction: bool = True, counts: int | None = None) 
     axis = Axis(
         armature=motor.armature(DT),
         friction=rubbing.stiction(inertia, DT),
+        known_friction=rubbing.params(1.0),
         gear=Gear(RATIO[k]).params(),
         encoder=Encoder(counts).params(),
         tracking=tracking_params(gains.observer_bandwidth, DT),

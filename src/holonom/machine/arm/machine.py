@@ -108,10 +108,8 @@ class ArmMachine:
         """Whether all motions have ended and the arm has settled."""
         if not self.queue.empty:
             return False
-        here = self.drives.position
-        moved = np.abs(here - self._before).max()
-        error = np.abs(self.queue.goal - here).max()
-        settled = bool(error < SETTLED[self.queue.tolerance] and moved < SETTLED_SPEED * PROGRAM_TICK)
+        error = np.abs(self.queue.goal - self.drives.position).max()
+        settled = bool(error < SETTLED[self.queue.tolerance] and self._stands)
         self._asked_since = inf if settled else min(self._asked_since, self.time())
         return settled
 
@@ -253,8 +251,14 @@ class ArmMachine:
 
     @property
     def stopped(self) -> bool:
-        """Whether a halt has come to its end."""
-        return self._braking == 0 and self.queue.empty
+        """Whether a halt has come to its end and the arm stands."""
+        return self._braking == 0 and self.queue.empty and self._stands
+
+    @property
+    def _stands(self) -> bool:
+        """Whether no joint moved in the last program tick."""
+        moved = np.abs(self.drives.position - self._before).max()
+        return bool(moved < SETTLED_SPEED * PROGRAM_TICK)
 
     def halt(self) -> None:
         """End the motion in a controlled way: brake along the path, or hold zero speed after a drive fault."""
