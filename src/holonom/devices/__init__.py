@@ -30,6 +30,27 @@ Compiled steps over scalars (`kernels.py` of each room), for a loop that keeps t
 ======================  ========================================================================
 """
 
+from holonom.devices.encoders.counters.counter import Counter, unwrap_count, wrap_count
+from holonom.devices.encoders.counters.index import (
+    INDEX_START,
+    IndexCorrection,
+    IndexFault,
+    IndexParams,
+    IndexState,
+    corrected_count,
+    index_step,
+)
+from holonom.devices.encoders.frames.biss import BissFrame
+from holonom.devices.encoders.frames.crc import crc
+from holonom.devices.encoders.frames.endat import EndatFrame
+from holonom.devices.encoders.frames.gray import gray_decode, gray_encode, join_turns, split_turns
+from holonom.devices.encoders.frames.methods import FRAMES, decode_frame, encode_frame
+from holonom.devices.encoders.frames.record import DecodedFrame
+from holonom.devices.encoders.frames.ssi import SsiFrame
+from holonom.devices.encoders.homing.methods import HOMINGS
+from holonom.devices.encoders.homing.potentiometer import PotentiometerHoming, PotentiometerParams, potentiometer_step
+from holonom.devices.encoders.homing.states import HOMING_START, HomingFault, HomingPhase, HomingState
+from holonom.devices.encoders.homing.switch import SwitchHoming, SwitchParams, switch_step
 from holonom.devices.encoders.incremental import Encoder, tracking_params
 from holonom.devices.encoders.kernels import (
     EncoderParams,
@@ -41,6 +62,48 @@ from holonom.devices.encoders.kernels import (
     extend_counter,
     tracking_step,
 )
+from holonom.devices.encoders.quadrature.encoder import QuadratureEncoder, line_faults
+from holonom.devices.encoders.quadrature.kernels import (
+    HEALTHY,
+    LineFaults,
+    QuadratureParams,
+    QuadratureState,
+    decode_levels,
+    quadrature_step,
+)
+from holonom.devices.encoders.quadrature.receivers import (
+    LINE_RECEIVERS,
+    LineFault,
+    LineReceiver,
+    ReceiverParams,
+    drive_pair,
+    index_misplaced,
+    line_receiver,
+    receive_pair,
+    receive_pairs,
+)
+from holonom.devices.encoders.sincos.encoder import (
+    SinCosEncoder,
+    SinCosParams,
+    fine_angle,
+    interpolate,
+    quarter_of,
+    sincos_signals,
+)
+from holonom.devices.encoders.sincos.heydemann import SinCosCorrection, correct_sincos, fit_heydemann
+from holonom.devices.encoders.speeds.m import MMethod, MParams, MState, m_step
+from holonom.devices.encoders.speeds.m_t import MTMethod, MTState, m_t_step
+from holonom.devices.encoders.speeds.methods import SPEED_METHODS, equal_resolution_speed
+from holonom.devices.encoders.speeds.observer import ObserverMethod, ObserverParams, ObserverState, observer_step
+from holonom.devices.encoders.speeds.pll import PllMethod, PllParams, PllState, pll_step
+from holonom.devices.encoders.speeds.readings import (
+    CaptureParams,
+    EdgeReading,
+    capture_edges,
+    capture_params,
+    first_reading,
+)
+from holonom.devices.encoders.speeds.t import TMethod, TParams, TState, t_step
 from holonom.devices.methods import DEVICES
 from holonom.devices.motors.dc_motor import DcMotor
 from holonom.devices.motors.kernels import ArmatureParams, armature_step
@@ -62,33 +125,118 @@ from holonom.devices.transmission.lugre import LuGre
 
 __all__ = [
     "DEVICES",
+    "FRAMES",
+    "HEALTHY",
+    "HOMINGS",
+    "HOMING_START",
+    "INDEX_START",
+    "LINE_RECEIVERS",
+    "SPEED_METHODS",
     "Accelerometer",
     "ArmatureParams",
+    "BissFrame",
+    "CaptureParams",
+    "Counter",
     "CurrentShunt",
     "DcMotor",
+    "DecodedFrame",
+    "EdgeReading",
     "Encoder",
     "EncoderParams",
+    "EndatFrame",
     "Friction",
     "FrictionParams",
     "Gear",
     "GearParams",
     "Gyro",
+    "HomingFault",
+    "HomingPhase",
+    "HomingState",
+    "IndexCorrection",
+    "IndexFault",
+    "IndexParams",
+    "IndexState",
+    "LineFault",
+    "LineFaults",
+    "LineReceiver",
     "LuGre",
     "LuGreParams",
+    "MMethod",
+    "MParams",
+    "MState",
+    "MTMethod",
+    "MTState",
+    "ObserverMethod",
+    "ObserverParams",
+    "ObserverState",
+    "PllMethod",
+    "PllParams",
+    "PllState",
+    "PotentiometerHoming",
+    "PotentiometerParams",
+    "QuadratureEncoder",
+    "QuadratureParams",
+    "QuadratureState",
+    "ReceiverParams",
+    "SinCosCorrection",
+    "SinCosEncoder",
+    "SinCosParams",
+    "SsiFrame",
     "SteeringMotor",
     "SteeringParams",
     "StictionParams",
+    "SwitchHoming",
+    "SwitchParams",
+    "TMethod",
+    "TParams",
+    "TState",
     "TrackingParams",
     "TrackingState",
     "armature_step",
+    "capture_edges",
+    "capture_params",
+    "correct_sincos",
+    "corrected_count",
     "count_angle",
+    "crc",
+    "decode_frame",
+    "decode_levels",
     "difference_speed",
+    "drive_pair",
+    "encode_frame",
     "encoder_counter",
+    "equal_resolution_speed",
     "extend_counter",
+    "fine_angle",
+    "first_reading",
+    "fit_heydemann",
     "friction_torque",
     "gear_torque",
+    "gray_decode",
+    "gray_encode",
+    "index_misplaced",
+    "index_step",
+    "interpolate",
+    "join_turns",
+    "line_faults",
+    "line_receiver",
     "lugre_step",
+    "m_step",
+    "m_t_step",
+    "observer_step",
+    "pll_step",
+    "potentiometer_step",
+    "quadrature_step",
+    "quarter_of",
+    "receive_pair",
+    "receive_pairs",
+    "sincos_signals",
+    "split_turns",
     "stiction_step",
+    "switch_step",
+    "t_step",
     "tracking_params",
     "tracking_step",
+    "unwrap_count",
+    "wrap_count",
 ]
