@@ -101,7 +101,7 @@ class UnknownName(InputError):
         names = sorted(known)
         close = difflib.get_close_matches(name, names, n=1)
         hint = f"; did you mean {close[0]!r}?" if close else ""
-        super().__init__(f"no {kind} {name!r}; there is {', '.join(names)}{hint}")
+        super().__init__(f"no {kind} {name!r}; there is {', '.join(names) or 'none'}{hint}")
 
 
 class ShapeError(InputError):

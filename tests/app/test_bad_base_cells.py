@@ -17,6 +17,7 @@ PARKING = (
 )
 WHEEL = '{{ kind = "{}", x = "{}", y = "{}", radius = "80mm", driven = true, name = "{}"{} }}'
 CAR = 'arrangement = "ackermann"\nwheelbase = "400mm"\ntrack = "300mm"\nwheel_radius = "50mm"\n'
+BICYCLE = 'arrangement = "bicycle"\nwheelbase = "1m"\nwheel_radius = "300mm"\n'
 
 
 def wheels(*rows: tuple[str, str, str, str, str]) -> str:
@@ -52,6 +53,21 @@ BAD = {
         CIRCLE,
         r"\(450, 0\) mm came; the base tips over at rest",
     ),
+    "a centre of mass before a bicycle": (
+        BICYCLE + 'com = ["1.1m", "0m"]\n',
+        CIRCLE,
+        r"\(1100, 0\) mm came; the base tips over at rest",
+    ),
+    "a centre of mass beside a ball": (
+        'arrangement = "sphere"\nwheel_radius = "100mm"\ncom = ["0m", "10mm"]\n',
+        CIRCLE,
+        r"\(0, 10\) mm came; the base tips over at rest",
+    ),
+    "a path between what a rover can turn": (
+        'arrangement = "rocker6"\nwheelbase = "800mm"\ntrack = "600mm"\nwheel_radius = "100mm"\n',
+        CIRCLE.replace("3m", "0.6m"),
+        r"it asks for a curve of 0.3 m; the tightest that these wheels drive is 0.531 m",
+    ),
     "a path sharper than it can turn": (
         CAR + 'max_steering = "20deg"\n',
         PARKING,
@@ -83,6 +99,11 @@ def test_a_velocity_that_is_no_number(tmp_path: Path, capsys: pytest.CaptureFixt
     steps = 'velocity = [{ at = "0s", vx = "nanm/s" }, { at = "2s" }]\n'
     assert checked(tmp_path, steps + CAR) == 2
     assert "velocity[0].vx: 'nanm/s' came" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("com", ["300mm", "999mm"])
+def test_what_is_held_upright_may_lean_aside(com: str, tmp_path: Path) -> None:
+    assert checked(tmp_path, 'hold = "2s"\n' + BICYCLE + f'com = ["{com}", "50mm"]\n') == 0
 
 
 def test_balancing_bases_may_have_their_mass_beside_the_axle(tmp_path: Path) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from holonom.app.odometry_log import OdometryLog, read_log, write_log
+from holonom.app.odometry_log.story import _candidate, _Reading
 from holonom.errors import LogError
 from holonom.mobile.calibration import Run, drive_parameters, wheels_of
 from holonom.mobile.odometry import integrate
@@ -225,3 +226,16 @@ def test_swapped_truths_of_real_logs(data_folder: Path, tmp_path: Path, folder: 
         with pytest.raises(LogError) as error:
             read_log([tmp_path])
         assert match in str(error.value)
+
+
+def test_turns_that_are_noise_are_in_no_other_unit() -> None:
+    """Of wheels in an order in which they turn nothing: the truth's turn is missing, not 2,000 times too large."""
+    ways, rng = 0.1 * np.ones(200), np.random.default_rng(2)
+    truth = np.column_stack([ways, 0.0 * ways, 0.2 * ways])
+    noise = np.column_stack([ways, 0.0 * ways, 1e-3 * ways * rng.normal(size=200)])
+    degrees = truth * [1.0, 1.0, 180.0 / np.pi]
+    lost, right = (_candidate(_Reading((), wheels, of)) for wheels, of in ((noise, truth), (truth, degrees)))
+    assert lost.faults == ()
+    assert lost.miss == pytest.approx(0.2 / 1.2, rel=0.01)
+    assert right.miss < 1e-9
+    assert "degrees" in right.faults[0]

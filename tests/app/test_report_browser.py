@@ -10,6 +10,7 @@ from report_jobs import SLIP_EVENTS, arm_job, arm_records, base_job, base_record
 from test_report import ask, tool
 from test_report_page import HOSTILE, hostile_page
 
+from holonom.app.console.cli import main
 from holonom.app.recording import read_recording
 from holonom.app.report.reporting import report_html
 from holonom.app.report.source import source_of
@@ -107,6 +108,29 @@ def test_with_webgl_it_is_not(helper, report: Path) -> None:
         assert groups == ["true", None]
         page.execute_script("holonom.seek(1.005)")
         assert page.find_element("css selector", "#log .current td:last-child").text == "step 50 × 2, to 1.01 s"
+
+
+BALANCING = """cell = { name = "x", seed = 1, time_limit = "9s" }
+[base]
+arrangement = "segway"
+track = "400mm"
+wheel_radius = "100mm"
+mass = "10kg"
+velocity = [{ at = "0s", vx = "0.3m/s" }, { at = "1s" }]
+"""
+
+
+@pytest.mark.parametrize("webgl", [True, False])
+def test_where_a_base_is_is_shown_that_draws_nothing_there(webgl: bool, helper, tmp_path: Path) -> None:
+    """A body that balances leans in a frame of its own: base_link is followed and told all the same."""
+    (tmp_path / "cell.toml").write_text(BALANCING, "utf-8")
+    assert main(["run", str(tmp_path / "cell.toml"), "-o", str(tmp_path / "out"), "--quiet"]) == 0
+    with helper.browser(1280, 900, webgl=webgl) as page:
+        helper.open_report(page, tmp_path / "out" / "report.html")
+        page.execute_script("holonom.seek(1.0)")
+        assert "mm" in page.find_element("id", "tool").text
+        assert page.find_element("id", "pace").text.endswith("mm/s")
+        assert severe(page) == []
 
 
 @pytest.mark.parametrize("width", [500, 900])

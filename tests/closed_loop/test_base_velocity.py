@@ -81,6 +81,28 @@ def test_limits_hold(name: str) -> None:
         assert (v[:, 1] == 0.0).all()
 
 
+@pytest.mark.parametrize("name", ["swerve", "ackermann", "rocker6", "tricycle"])
+def test_accelerations_hold_while_wheels_are_steered(name: str) -> None:
+    """What waits for wheels is driven on within the limits, not at once when they are there; the base follows it."""
+    base, rng = ARRANGEMENTS[name](), np.random.default_rng(4)
+    drive = sized_base_drive(base, 2.0, 2.0)
+    loop = BaseLoop(BaseController(base, drive, BaseSettings(shaping=SHAPING)), BasePlant(base, drive, rng=rng))
+    loop.place((0.0, 0.0, 0.0))
+    said, true, twist = [], [], np.zeros(3)
+    for k in range(2400):
+        if k % 10 == 0:
+            twist = rng.uniform(-1, 1, 3) * [1, 1, 2] if k % 600 == 0 else twist
+            loop.controller.follow_velocity(twist)
+        loop.advance(1)
+        state = loop.controller.state[0]
+        said.append([state[f"ref_{n}"] for n in ("vx", "vy", "w")])
+        true.append(loop.plant.twist)
+    v = np.array(said)
+    assert (np.abs(np.diff(v, axis=0)).max(axis=0) <= 1e-3 * np.array([1.5, 1.5, 10.0]) * (1 + 1e-9)).all()
+    assert np.abs(v).max(axis=0)[[0, 2]].min() > 0.2, "it gets there"
+    assert np.sqrt(np.mean((v - true) ** 2, axis=0))[0] < 0.1
+
+
 @settings(max_examples=30)
 @given(start=st.floats(-2, 2), goal=st.floats(-2, 2))
 def test_a_speed_is_reached_without_overshoot(start: float, goal: float) -> None:

@@ -15,7 +15,7 @@ from holonom.closed_loop import BaseLoop, simulate_base
 from holonom.control import PATH_LAWS
 from holonom.errors import ModelError
 from holonom.machine import BaseController, BaseSettings, Creep, ReferencePath
-from holonom.mobile import WheelBase, skid_steer
+from holonom.mobile import WheelBase, bicycle, skid_steer
 from holonom.mobile.drive.sized import sized_base_drive
 from holonom.sim import BasePlant, Floor
 
@@ -83,6 +83,18 @@ def test_an_eight_at_a_metre_per_second(name: str) -> None:
         log = simulate_base(base, sized_base_drive(base, 2.0, 2.0), path, rng=np.random.default_rng(4))
         assert log.ended == "done"
         assert np.sqrt((log.path_error**2).mean()) < 0.02, where
+
+
+def test_large_wheels_of_a_light_base_weigh_no_more_than_it() -> None:
+    """A solid wheel of 0.3 m would weigh 127 kg: sized drives take no more than half of the base for all wheels."""
+    base = bicycle(1.0, 0.3, mass=10.0, com=(0.5, 0.0))
+    drive = sized_base_drive(base, 2.0, 2.0)
+    assert drive.wheel_inertia <= 0.5 * (0.5 * 10.0 / 2) * 0.3**2
+    path = path_of(base, "circle", speed=0.7, acceleration=0.6)
+    log = simulate_base(base, drive, path, rng=np.random.default_rng(1))
+    assert log.ended == "done"
+    assert np.sqrt(np.mean(log.path_error**2)) < 0.02
+    assert not log.events
 
 
 def test_it_waits_for_slow_steering() -> None:

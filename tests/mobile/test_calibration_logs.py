@@ -96,7 +96,7 @@ def test_wheels_of_a_published_mecanum_robot_are_alike(data_folder: Path) -> Non
     log = read_log([data_folder / "odometry" / "optiodom" / "omni4"])
     found = calibrate(log.runs, log.drive, log.nominal)
     np.testing.assert_allclose(found.values[1:], [0.0667, 0.0669, 0.0664, 0.0665], atol=1.5e-3)
-    assert np.all(found.deviations[1:] < 5e-4)
+    assert np.all(found.deviations[1:] < 7e-4)
 
 
 def test_a_small_offset_is_found_with_the_parameters() -> None:

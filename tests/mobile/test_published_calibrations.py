@@ -65,6 +65,31 @@ PUBLISHED = [
 ROWS = [f"{p[0]} {p[1]}" for p in PUBLISHED]
 
 
+_read = cache(lambda paths: read_log(paths))
+_fits: dict[Any, Any] = {}
+
+
+def _fit(runs, drive, nominal, **options):
+    """Same runs, same options, same answer or refusal: fitted once for all tests of this file."""
+    key = (id(runs), *((name, str(value)) for name, value in sorted(options.items())))
+    if key not in _fits:
+        try:
+            _fits[key] = runs, calibrate(runs, drive, nominal, **options)
+        except CalibrationError as error:
+            _fits[key] = runs, error
+    found = _fits[key][1]
+    if isinstance(found, CalibrationError):
+        raise found
+    return found
+
+
+@pytest.fixture(autouse=True)
+def once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The command reads and fits what it has not yet read and fitted."""
+    monkeypatch.setattr("holonom.app.calibrate.odometry.read_log", lambda paths, **_: _read(tuple(paths)))
+    monkeypatch.setattr("holonom.app.calibrate.odometry.calibrate", _fit)
+
+
 @cache
 def _as_asked_for_nothing(folder: Path) -> dict[str, Any]:
     """What the command answers without options, once for all tests."""
@@ -95,8 +120,8 @@ ACROSS = [  # sets of one robot: calibrated by one, driven by the other
 @pytest.mark.parametrize(("fitted", "other"), ACROSS, ids=[f"{a} on {b}" for a, b in ACROSS])
 def test_a_calibration_holds_on_a_set_that_it_has_not_seen(data_folder: Path, fitted: str, other: str) -> None:
     """Distances of the other set, by the same robot on another day or path, become less than without calibration."""
-    own, unseen = (read_log([data_folder / "odometry" / "optiodom" / name]) for name in (fitted, other))
-    found = calibrate(own.runs, own.drive, own.nominal)
+    own, unseen = (_read((data_folder / "odometry" / "optiodom" / name,)) for name in (fitted, other))
+    found = _fit(own.runs, own.drive, own.nominal, set_name="physical", rule="midpoint", limits=None, data_sheet=True)
     before, after = (
         path_errors(unseen.runs, [dead_reckoning(run, M) for run in unseen.runs])
         for M in (drive_parameters(own.drive, own.nominal).matrix(found.nominal), found.matrix)
@@ -129,7 +154,7 @@ def test_two_published_methods_no_odometry_beats_both(
 
     Sousa's heading on the way and the other method's at the end; one of the two is worse for every matrix there is.
     """
-    log = read_log([data_folder / "odometry" / "optiodom" / folder])
+    log = _read((data_folder / "odometry" / "optiodom" / folder,))
     sums = [np.cumsum(run.features, axis=0) for run in log.runs]
     A = np.concatenate([np.vstack([F / way, F[-1:] / end]) for F in sums])
     turned = [np.degrees(run.heading - run.heading[0]) for run in log.runs]
@@ -171,22 +196,19 @@ def published(folder: Path, name: str, drive: str) -> Iterator[tuple[str, dict[s
 DIFF = "diff/square/230620202042", "diff/square/231220200045", "diff/ivanjko/231220200104"
 TRICYCLE = "tricyc/circular/140120211440", "tricyc/square/140120211446"
 MECANUM = "omni4/circular/231220200510", "omni4/square/080920201205"
-UNSEEN = [(a, b, 1.1) for group in (DIFF, TRICYCLE, MECANUM) for a, b in permutations(group, 2)]
-UNSEEN.remove((DIFF[2], DIFF[0], 1.1))
-# A straight line and two turns on the spot, for squares: their published wheels are hardly beyond the nominal ones.
-UNSEEN.append((DIFF[2], DIFF[0], 1.2))
+UNSEEN = [pair for group in (DIFF, TRICYCLE, MECANUM) for pair in permutations(group, 2)]
 
 
-@pytest.mark.parametrize(("fitted", "other", "most"), UNSEEN, ids=[f"{a} on {b}" for a, b, _ in UNSEEN])
+@pytest.mark.parametrize(("fitted", "other"), UNSEEN, ids=[f"{a} on {b}" for a, b in UNSEEN])
 def test_mean_end_errors_on_the_other_set_beside_published_parameters(
-    data_folder: Path, fitted: str, other: str, most: float
+    data_folder: Path, fitted: str, other: str
 ) -> None:
     """Calibrated as the command does unless asked otherwise; published parameters of the training set, by us.
 
     The best of them on the other set is what is compared with, whichever method it is, as nobody could have known.
     """
     folder = data_folder / "odometry" / "optiodom"
-    own, unseen = (read_log([folder / name]) for name in (fitted, other))
+    own, unseen = (_read((folder / name,)) for name in (fitted, other))
     data = _as_asked_for_nothing(folder / fitted)
     found = drive_parameters(own.drive, own.nominal, data["set"])
     calibrated = found.matrix(np.array([data["calibrated"][name] for name in found.names]))
@@ -199,4 +221,4 @@ def test_mean_end_errors_on_the_other_set_beside_published_parameters(
         p = drive_parameters(own.drive, values)
         matrices.append(p.matrix(p.nominal))
     best = min(mean_end(unseen.runs, M) for M in matrices)
-    assert mean_end(unseen.runs, calibrated) <= most * best
+    assert mean_end(unseen.runs, calibrated) <= 1.1 * best

@@ -9,7 +9,7 @@ import pytest
 
 from holonom.devices import DcMotor, Encoder, Gear
 from holonom.errors import ModelError
-from holonom.mobile import BaseDrive, Wheel, WheelBase, differential, omni, rocker6
+from holonom.mobile import BaseDrive, Wheel, WheelBase, bicycle, differential, omni, rocker6, segway
 from holonom.mobile.drive.base_drive import BaseSensors, load_shares, supports
 from holonom.sim import BaseFault, BasePlant, Floor
 
@@ -74,3 +74,14 @@ def test_steered_wheels_beside_rollers_are_not_simulated() -> None:
     ]
     with pytest.raises(ModelError, match="steered wheels beside 'left'"):
         BasePlant(WheelBase(wheels, mass=5.0), DRIVE)
+
+
+@pytest.mark.parametrize("com", [(0.5, 0.2), (0.3, -0.1)])
+def test_wheels_on_one_line_carry_all_of_the_weight(com: tuple[float, float]) -> None:
+    """Also where the centre of mass lies beside it: what holds the base upright carries the moment across."""
+    rear, front = 1.0 - com[0], com[0]
+    for base, expected in (
+        (bicycle(1.0, 0.3, mass=10.0, com=com), (rear, front)),
+        (segway(0.4, 0.1, mass=10.0, com=(com[1], 0.0)), (0.5, 0.5)),
+    ):
+        np.testing.assert_allclose(load_shares(base)[:, 0], expected, atol=1e-12)

@@ -139,7 +139,10 @@ def _recorded(path: Path) -> tuple[dict[str, _Wheel], tuple[str, ...]]:
         name: _Wheel(drives.time[:n], drives.voltage[:n, k], unit * counts.count[:n, k].astype(np.float64), None)
         for k, name in enumerate(base.wheels)
     }
-    note = f"{path}: voltages as commanded at the samples; with wheels on the floor kA holds the base's share of mass"
+    note = (
+        f"{path}: voltages as commanded at the samples; with wheels on the floor kA holds the base's share of mass, "
+        "and in curves they push each other: kS and kV are rough"
+    )
     return wheels, (note,)
 
 

@@ -268,9 +268,11 @@ def _order_text(order: Sequence[int], wheels: Sequence[str]) -> str:
 
 
 def _candidate(reading: _Reading) -> _Candidate:
-    """With a fault more where ways or turns differ by a factor."""
+    """With a fault more where ways or turns differ by a factor; turns that do not follow have none, they are noise."""
     scaled, way, turn = reading.scaled()
-    if way == turn == 1.0:
+    turns, true = scaled.wheels[:, 2], scaled.truth[:, 2]
+    noise = np.abs(turns - true).sum() > max(np.abs(turns).sum(), np.abs(true).sum())
+    if way == turn == 1.0 or (turn != 1.0 and noise):
         return _Candidate(reading, reading.miss, reading.faults)
     return _Candidate(scaled, scaled.miss, (*reading.faults, _unit(way, turn)))
 

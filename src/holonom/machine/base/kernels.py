@@ -52,7 +52,7 @@ from holonom.machine.base.check_kernels import (
     watch_steering,
 )
 from holonom.machine.base.params import BaseParams, BaseTask, Work
-from holonom.machine.base.steering_kernels import allowed, look_at, ready, rim_change, set_off, steer_along
+from holonom.machine.base.steering_kernels import allowed, eased, look_at, ready, rim_change, set_off, steer_along
 from holonom.machine.base.wheel_kernels import (
     control_traction,
     creep,
@@ -281,12 +281,13 @@ def _shape(params: BaseParams, base: Any, signals: WheelSignals, rows: Array, pi
     asked = allowed(params.steered, params.drivable, Planar(base.shaped_vx, base.shaped_vy, base.shaped_w))
     asked = pinned(base, pin_row, asked)
     part = ready(params.steered, asked, signals)
-    now[3], now[4], now[5] = part * asked.x, part * asked.y, part * asked.turn
     w = base.shaped_w  # the centre's acceleration in turning axes
     now[6], now[7] = base.shaped_ax - w * base.shaped_vy, base.shaped_ay + w * base.shaped_vx
     now[8] = base.shaped_aw
-    for j in range(6, 9):
-        now[j] *= part
+    before = Planar(base.ref_vx, base.ref_vy, base.ref_w)
+    driven = Planar(part * asked.x, part * asked.y, part * asked.turn)
+    driven = eased(params.steered, shaping, before, driven, now)
+    now[3], now[4], now[5] = driven.x, driven.y, driven.turn
     lead(params.balance, base, now)
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from holonom.arrays import Array
 from holonom.control.base.kernels import Planar
-from holonom.control.base.shaping_kernels import AxisShape, shaping_step
+from holonom.control.base.shaping_kernels import AxisShape, ShapingParams, shaping_step
 from holonom.control.path_laws.contract import REST
 from holonom.devices.drive_signals import WheelSignals
 from holonom.trace.code.compiled import sincos
@@ -21,6 +21,7 @@ __all__ = [
     "SteeredParams",
     "allowed",
     "bend",
+    "eased",
     "look_at",
     "look_at_wheels",
     "readiness",
@@ -229,6 +230,26 @@ def ready(steered: SteeredParams | None, twist: Planar, signals: WheelSignals) -
     if steered is not None:
         return readiness(steered, twist, signals)
     return 1.0
+
+
+@loop(error_model="numpy", forceinline=True)
+def eased(steered: SteeredParams | None, shaping: ShapingParams, before: Planar, twist: Planar, now: Array) -> Planar:
+    """The way from the twist before to a twist that jumps as wheels get ready, as far as accelerations allow.
+
+    All parts go alike, so that the curve stays one between the two; `now` (9,) gets the acceleration of that.
+    """
+    if steered is not None:
+        x, y, turn, dt = twist.x - before.x, twist.y - before.y, twist.turn - before.turn, shaping.dt
+        much = max(
+            abs(x) / shaping.forwards.acceleration, abs(y) / shaping.sideways.acceleration,
+            abs(turn) / shaping.turning.acceleration, dt,
+        )  # fmt: skip
+        part = dt / much
+        twist = Planar(before.x + part * x, before.y + part * y, before.turn + part * turn)
+        now[6] = part * x / dt - twist.turn * twist.y
+        now[7] = part * y / dt + twist.turn * twist.x
+        now[8] = part * turn / dt
+    return twist
 
 
 @loop(error_model="numpy", forceinline=True)

@@ -9,14 +9,17 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize
 
 from holonom.arrays import Array
+from holonom.mobile.calibration.kernels import left_into
 from holonom.mobile.calibration.runs import Motion, Run, dead_reckoning, lever_of
 
 __all__ = ["Clock", "clear_clock", "clock_of", "on_the_clock_of_the_wheels", "truth_frame"]
 
 
 SPAN = 0.2  # s of the motions that are compared
+COARSE = 0.25  # of a span, by which the motions of the first search are apart: closer ones tell the same
 MOST = 2.0  # s of an offset that is looked for
 FASTEST = 0.03  # of a rate that is looked for
+BEYOND = 1.5  # times that, up to which the search from the best of a grid may lead
 LEAST = 8  # spans that a run must have
 BETTER = 0.5  # part of the disagreement that a clock must leave at most, to be told from noise
 ALIKE = 0.05  # part of the motion, squared, that it may leave: what disagrees more has other faults
@@ -107,8 +110,9 @@ class _Compared:
         inner = run.time[(run.time > run.time[0] + most + SPAN) & (run.time < run.time[-1] - most - SPAN)]
         self.time, self.since = inner, inner - _middle(run)
         ours = _motions(CubicSpline(run.time, dead_reckoning(run, motion)), inner, self.half, self.lever)
-        U, s, _ = np.linalg.svd(ours, full_matrices=False)
-        self.basis = U[:, s > 1e-9 * max(s[0], 1e-300)]
+        self.basis = _basis(ours)
+        self.few = slice(None, None, max(1, round(COARSE * SPAN / period)))
+        self.few_basis = _basis(ours[self.few])
 
     @classmethod
     def search(cls, run: Run, motion: Array | Motion, *, clear: bool) -> Clock:
@@ -120,8 +124,9 @@ class _Compared:
         return cls(run, motion, period, most).best(period, most, length, clear=clear)
 
     def best(self, period: float, most: float, length: float, *, clear: bool) -> Clock:
-        start = self._coarse(period, most)
-        scale = np.array([period, 2.0 * period / length])
+        step = max(period, COARSE * SPAN)
+        start = self._coarse(step, most)
+        scale = np.array([step, 2.0 * step / length])
         found = minimize(
             lambda x: self.miss(Clock(*(start + x * scale))), np.zeros(2), method="Nelder-Mead",
             options={"xatol": 1e-3, "fatol": 1e-12, "initial_simplex": [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]},
@@ -129,7 +134,8 @@ class _Compared:
         clock = Clock(*(float(v) for v in start + found.x * scale))
         as_is, left = self.miss(Clock()), self.miss(clock)
         moved = float((self.seen(clock) ** 2).sum())
-        good = left < min(BETTER * as_is, ALIKE * moved) and as_is > (AGREED if clear else ROUNDING) * moved
+        near = abs(clock.late) <= BEYOND * most and abs(clock.rate) <= BEYOND * FASTEST  # one that stands fits anything
+        good = near and left < min(BETTER * as_is, ALIKE * moved) and as_is > (AGREED if clear else ROUNDING) * moved
         if clear:
             good = good and max(abs(clock.late), 0.5 * length * abs(clock.rate)) > WORTH * period
         return clock if good else Clock()
@@ -140,27 +146,33 @@ class _Compared:
 
     def miss(self, clock: Clock) -> float:
         """Square sum of what no linear map of the wheels' motions explains."""
-        return self._left(self.seen(clock))
+        return _left(self.basis, self.seen(clock))
 
-    def _left(self, theirs: Array) -> float:
-        return float((theirs**2).sum() - ((self.basis.T @ theirs) ** 2).sum())
+    def _coarse(self, step: float, most: float) -> Array:
+        """Best clock (2,) of a grid: offsets by a step, rates by two steps over the run; by a part of the motions."""
+        at = step * np.arange(-int(most / step), int(most / step) + 1)
+        time, since = self.time[self.few], self.since[self.few]
+        table = np.stack([_motions(self.truth, time + late, self.half, self.lever) for late in at])
+        span = float(since[-1] - since[0]) if len(since) > 1 else 1.0
+        count = int(min(FASTEST * 0.5 * span, most) / (2.0 * step))
+        rates = (4.0 * step / span) * np.arange(-count, count + 1)
+        shifts = np.round(rates[:, None] * since / step).astype(np.int64)
+        every = 2 if count else 1
+        left = np.empty((len(rates), len(range(0, len(at), every))))
+        left_into(table, self.few_basis, shifts, every, left)
+        r, k = np.unravel_index(int(np.argmin(left)), left.shape)
+        return np.array([at[every * k], rates[r]])
 
-    def _coarse(self, period: float, most: float) -> Array:
-        """Best clock (2,) of a grid: offsets by a sample, rates by two samples over the run."""
-        at = period * np.arange(-int(most / period), int(most / period) + 1)
-        table = np.stack([self.seen(Clock(late)) for late in at])
-        span = float(self.since[-1] - self.since[0]) if len(self.since) > 1 else 1.0
-        count = int(min(FASTEST * 0.5 * span, most) / (2.0 * period))
-        best, found = np.inf, np.zeros(2)
-        rows = np.arange(len(self.since))
-        for rate in (4.0 * period / span) * np.arange(-count, count + 1):
-            shift = np.round(rate * self.since / period).astype(int)
-            for k in range(0, len(at), 2 if count else 1):
-                picked = table[np.clip(k + shift, 0, len(at) - 1), rows]
-                left = self._left(picked)
-                if left < best:
-                    best, found = left, np.array([at[k], rate])
-        return found
+
+def _basis(motions: Array) -> Array:
+    """Orthonormal columns (N, 3 or fewer) that span those of motions (N, 3)."""
+    U, s, _ = np.linalg.svd(motions, full_matrices=False)
+    return np.asarray(U[:, s > 1e-9 * max(s[0], 1e-300)])
+
+
+def _left(basis: Array, theirs: Array) -> float:
+    """Square sum of what no columns of a basis explain."""
+    return float((theirs**2).sum() - ((basis.T @ theirs) ** 2).sum())
 
 
 def _motions(poses: CubicSpline, time: Array, half: float, lever: float) -> Array:

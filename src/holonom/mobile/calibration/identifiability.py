@@ -10,6 +10,7 @@ import numpy as np
 from holonom.arrays import Array
 from holonom.mobile.base.wheel_base import WheelBase
 from holonom.mobile.calibration.derived import DerivedParameters, known_parameters
+from holonom.mobile.calibration.fitting.noise import noise_of
 from holonom.mobile.calibration.fitting.residuals import Problem, path_lever
 from holonom.mobile.calibration.fitting.uncertainty import NAMED, UNSEEN, noise_covariance, tightness
 from holonom.mobile.calibration.parameters import Parameters
@@ -94,7 +95,8 @@ def identifiability(
     problem = replace(problem, tightness=tightness(problem.parts(at)))
     J = problem.residuals(at)[1]
     _, s, Vt = np.linalg.svd(J, full_matrices=False)
-    covariance = noise_covariance(problem.parts(at), None, problem.tightness)
+    parts = problem.parts(at)
+    covariance = noise_covariance(parts, noise_of(parts), problem.tightness)
     lost = (s <= UNSEEN * s[0]) @ (np.abs(Vt) > NAMED)
     deviations = np.where(lost, np.inf, parameters.scale * np.sqrt(np.maximum(np.diagonal(covariance), 0.0)))
     base = drive if isinstance(drive, WheelBase) else base_of_drive(drive, nominal or {})

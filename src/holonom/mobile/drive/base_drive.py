@@ -15,8 +15,8 @@ from holonom.mobile.base.wheel_base import WheelBase
 from holonom.model.gravity import GRAVITY
 from holonom.numeric.contact_loads import pushing_loads
 
-__all__ = ["GRAVITY", "BaseDrive", "BaseSensors", "base_mass", "load_shares", "rest_loads",
-           "roller_cosines", "standing_wheels", "supports"]  # fmt: skip
+__all__ = ["GRAVITY", "BaseDrive", "BaseSensors", "base_mass", "load_shares", "rest_loads", "roller_cosines",
+           "standing_wheels", "stands_in_line", "supports"]  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,10 +109,14 @@ def load_shares(base: WheelBase) -> Array:
     """How weight and its moments about the centre of mass spread over the wheels (k, 3), driven ones first.
 
     The loads of least square sum while all wheels stay down; of rockers and bogies those that balance on their pivots.
+    Wheels on one line carry moments along it; what holds the base upright carries those across.
     """
     if base.suspension == "rocker_bogie":
         return rocker_shares(base)
     at = supports(base)
+    if _in_line(at):
+        apart = at - at.mean(axis=0)
+        at = at @ np.linalg.pinv(apart) @ apart
     A = np.concatenate([np.ones((1, len(at))), at.T])
     return np.ascontiguousarray(np.linalg.pinv(A))
 
@@ -144,13 +148,29 @@ def rocker_shares(base: WheelBase) -> Array:
     return np.ascontiguousarray(np.linalg.solve(np.array(rows), np.array(asked)))
 
 
+def _in_line(at: Array) -> bool:
+    """Whether places (k, 2) span no area."""
+    return bool(np.linalg.matrix_rank(at - at.mean(axis=0), tol=1e-9) < 2)
+
+
+def stands_in_line(base: WheelBase) -> bool:
+    """Whether a base whose wheels span no area carries its weight on their line, held upright across it.
+
+    On one wheel alone its centre of mass lies above that: beside it weight would tip it, and push turn it.
+    """
+    at = supports(base)
+    if np.ptp(at, axis=0).max() < 1e-9:
+        return bool(np.abs(at).max() < 1e-6)
+    return bool(load_shares(base)[:, 0].min() > -1e-9)
+
+
 def roller_cosines(base: WheelBase) -> Array:
     """Cosines (m,) of the angles at which the driven wheels push: of the rollers of Swedish ones, else 1."""
     return np.cos([w.roller_angle for w in base.wheels if w.driven])
 
 
 def rest_loads(base: WheelBase) -> Array:
-    """Loads (m,), N, of the driven wheels at rest: they only push; one that balances is held upright.
+    """Loads (m,), N, of the driven wheels at rest: they only push; one on a line of wheels is held upright across it.
 
     Raises
     ------
@@ -158,10 +178,12 @@ def rest_loads(base: WheelBase) -> Array:
         It states no mass, or tips at rest.
     """
     mass, at = base_mass(base), supports(base)
-    loads, stands = pushing_loads(at, np.zeros(2))
+    if _in_line(at):
+        loads, stands = load_shares(base)[:, 0], stands_in_line(base)
+    else:
+        loads, carried = pushing_loads(at, np.zeros(2))
+        stands = bool(carried)
     count = sum(w.driven for w in base.wheels)
-    if np.linalg.matrix_rank(at - at.mean(axis=0), tol=1e-9) < 2:
-        return np.asarray(mass * GRAVITY * load_shares(base)[:count, 0])
     if not stands:
         raise ModelError(
             f"base {base.name!r} tips at rest: its centre of mass {base.com.tolist()} m lies outside its wheels; move "

@@ -18,6 +18,7 @@ SUPPLY = 24.0
 """V, of a battery."""
 WHEEL_DENSITY = 1500.0
 """kg/m3 of a drawn wheel, a cylinder as wide as its radius."""
+WHEELS = 0.5  # of a base's mass, that its wheels weigh together at most
 SWINGING = 1.5
 """Rate at which driven castors can swing over speed by lever: for a base that turns at once."""
 GRIP = 0.8  # of a dry floor
@@ -48,7 +49,8 @@ def sized_base_drive(base: WheelBase, speed: float, acceleration: float) -> Base
         motor.resistance, motor.inductance, motor.torque_constant, motor.torque_constant, motor.rotor_inertia,
         motor.max_voltage, motor.max_current,
     )  # fmt: skip
-    inertia = 0.5 * WHEEL_DENSITY * np.pi * radius**5
+    wheel_mass = min(WHEEL_DENSITY * np.pi * radius**3, WHEELS * base.mass / len(base.wheels))
+    inertia = 0.5 * wheel_mass * radius**2
     return BaseDrive(
         sheet, Gear(motor.gear_ratio), Encoder(motor.encoder_counts), wheel_inertia=float(inertia),
         steering=usual_steering(base, speed),

@@ -23,6 +23,7 @@ from holonom.errors import CellError, InputError, ModelError
 from holonom.machine import BaseSettings, ReferencePath
 from holonom.mobile import BaseDrive, BaseSensors, WheelBase
 from holonom.mobile.base.payload import Payload, loaded
+from holonom.mobile.drive.base_drive import stands_in_line
 from holonom.mobile.drive.sized import sized_base_drive, usual_steering
 from holonom.sim import BaseFault
 from holonom.sim.base.balancing import FALLEN
@@ -249,9 +250,9 @@ def _lean(robot: Robot) -> float:
 
 
 def _check_stand(base: WheelBase, path: Path, at: tuple[str | int, ...]) -> None:
-    """Refuse a base that tips at rest; one whose wheels span no area is held upright."""
+    """Refuse a base that tips at rest; one whose wheels span no area is held upright across their line."""
     margin = margin_of(base)
-    if margin is not None and margin < 0.0:
+    if not (stands_in_line(base) if margin is None else margin >= 0.0):
         x, y = (1e3 * float(value) for value in base.com)
         raise CellError(
             f"{place_in(path, *at, 'model', 'com')}: ({x:g}, {y:g}) mm came; the base tips over at rest: its centre of "

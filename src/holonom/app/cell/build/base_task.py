@@ -32,6 +32,7 @@ CORNER = 0.2  # rad, of arcs that the box of commanded velocities is measured by
 BESIDE = 0.05  # of the larger side of a path's box, that a base may be off it where the cell says nothing
 EVERY = 20  # samples of a path, of which one is looked at
 ASTRAY = 1e-3  # m/s by which wheels may be dragged
+BENDS = 1001  # curvatures that are tried between straight on and what is asked for
 LAW_LIMITS = {
     "speed": "max_speed",
     "acceleration": "max_acceleration",
@@ -158,7 +159,15 @@ def _undrivable(base: WheelBase, path: ReferencePath) -> str:
         return f'{sideways}; heading = "tangent" looks along it'
     if base.turning_radius < np.inf:
         asked, least = (abs(vx / w) if w else np.inf), base.turning_radius
-        if asked >= least:
-            return f"{where} it asks for a curve of {asked:.3g} m, to which its wheels cannot be steered"
+        if asked >= least:  # some wheels turn on the spot and drive wide curves, and nothing between
+            least = _tightest_ahead(base, twist[k])
         return f"{where} it asks for a curve of {asked:.3g} m; the tightest that these wheels drive is {least:.3g} m"
     return f"{where} it asks for {np.degrees(w):.3g} deg/s; this base cannot turn"
+
+
+def _tightest_ahead(base: WheelBase, twist: Array) -> float:
+    """Radius, m, of the tightest curve that is wider than that of a twist (3,) and that its wheels drive."""
+    bends = np.linspace(0.0, 1.0, BENDS)[:, None] * [0.0, 0.0, 1.0] * twist + [twist[0], 0.0, 0.0]
+    away = np.abs((base.feasible(bends) - bends) * [1.0, 1.0, base.radius]).max(axis=1)
+    w = abs(bends[int((away <= 1e-6).argmin()) - 1, 2])
+    return float(abs(twist[0]) / w) if w else np.inf

@@ -154,6 +154,9 @@ class Stage {
     this.discs = [];
     this.addLights();
     for (const shape of data.scene.shapes) this.add(shape, arrays);
+    for (const name of [data.scene.tool, ...data.scene.views.map((view) => view.follow)]) {
+      if (arrays[`frame:${name}`]) this.parent(name, arrays); // nothing may be drawn in it
+    }
     this.addTrail(arrays[`frame:${data.scene.tool}`]);
     this.addViews();
     new ResizeObserver(() => this.resize()).observe(canvas);

@@ -106,5 +106,6 @@ class Scene:
 
     def frames(self) -> tuple[str, ...]:
         """Names of the frames that the replay needs from the recording, each once."""
-        names = dict.fromkeys([shape.frame for shape in self.shapes] + [self.tool])
+        followed = [view.follow for view in self.views if view.follow is not None]
+        names = dict.fromkeys([*(shape.frame for shape in self.shapes), self.tool, *followed])
         return tuple(name for name in names if name != "world")

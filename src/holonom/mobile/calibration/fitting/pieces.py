@@ -16,8 +16,9 @@ import numpy as np
 
 from holonom.arrays import Array
 from holonom.mobile.calibration.clocks import clock_of, on_the_clock_of_the_wheels
-from holonom.mobile.calibration.fitting.residuals import Problem, path_lever, solve
-from holonom.mobile.calibration.fitting.uncertainty import UNSEEN, noise_covariance, noise_of, sureness, tightness
+from holonom.mobile.calibration.fitting.noise import Noise, noise_of, sureness
+from holonom.mobile.calibration.fitting.residuals import Problem, RunPart, path_lever, solve
+from holonom.mobile.calibration.fitting.uncertainty import UNSEEN, noise_covariance, tightness
 from holonom.mobile.calibration.runs import Run
 
 __all__ = ["cut", "surest"]
@@ -63,7 +64,7 @@ def surest(problem: Problem, x: Array, *, lever: float | None) -> Problem:
     noise = noise_of(problem.parts(x))
     longest = max(len(run.time) for run in problem.runs)
     best = prepared(problem, x)
-    least = _openness(best, x, noise_covariance(best.parts(x), noise, best.tightness))
+    least = _openness(best, best.parts(x), noise)
     for halving in range(1, HALVINGS + 1) if least > np.log(ENOUGH) else ():
         samples = longest // 2**halving
         if samples < SHORTEST:
@@ -71,7 +72,7 @@ def surest(problem: Problem, x: Array, *, lever: float | None) -> Problem:
         pieces = tuple(piece for run in problem.runs for piece in cut(run, samples))
         own = path_lever(pieces) if lever is None else lever
         tried = prepared(replace(problem, runs=pieces, lever=own), x)
-        left = _openness(tried, x, noise_covariance(tried.parts(x), noise, tried.tightness))
+        left = _openness(tried, tried.parts(x), noise)
         if left < least + np.log(CLEAR):
             best, least = tried, left
     return best
@@ -79,18 +80,19 @@ def surest(problem: Problem, x: Array, *, lever: float | None) -> Problem:
 
 def prepared(problem: Problem, x: Array) -> Problem:
     """The problem with what is known beforehand of each run's own start and clock, and of how wheels agree."""
-    known = replace(problem, sureness=sureness(problem.parts(x), _periods(problem.runs)))
-    return replace(known, tightness=tightness(known.parts(x)))
+    parts = problem.parts(x)
+    known = replace(problem, sureness=sureness(parts, _periods(problem.runs)))
+    return replace(known, tightness=tightness(known.parts(x) if parts[0].strain.shape[1] else parts))
 
 
 def _periods(runs: Sequence[Run]) -> list[float]:
     return [float(np.median(np.diff(run.time))) for run in runs]
 
 
-def _openness(problem: Problem, x: Array, covariance: Array) -> float:
+def _openness(problem: Problem, parts: Sequence[RunPart], noise: Noise) -> float:
     """Mean logarithm of the deviations of the parameters along the axes of their covariance; infinite where open."""
-    s = np.linalg.svd(problem.residuals(x)[1], compute_uv=False)
+    s = np.linalg.svd(problem.weighted(parts)[1], compute_uv=False)
     if s[-1] <= UNSEEN * s[0]:
         return np.inf
-    values = np.linalg.eigvalsh(covariance)
+    values = np.linalg.eigvalsh(noise_covariance(parts, noise, problem.tightness))
     return float(0.5 * np.log(np.maximum(values, 1e-300)).mean())

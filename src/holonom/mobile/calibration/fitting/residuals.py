@@ -25,7 +25,7 @@ __all__ = ["SURE", "Problem", "RunPart", "path_lever", "solve"]
 BLOCK = 16  # samples
 TOLD = 1e-4  # share of an effect that must be its own: less of it is rounding
 SURE = 1e12  # weight of what is as good as known
-EVALUATIONS = 60  # of the residuals; a determined problem takes about ten
+EVALUATIONS = 30  # of the residuals; a determined problem takes about ten
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,9 +38,8 @@ class RunPart:
     slope : (N, 3, p) its derivatives by the scaled parameters.
     free_error, free_slope : the same less what another start and another clock of the truth take away.
     prior, prior_slope : (4,), (4, p) what these cost, weighted, and its derivatives.
-    start_effect : (N, 3, 3) what another start (x, y, heading) does to the errors.
+    own : what the run's own start and clock do to the errors.
     path : (N, 3) poses by odometry.
-    clock : s by which the truth's clock is behind that of the wheels; NaN where the motion does not tell it.
     weight : (N, 3) of the squares.
     strain, strain_slope : (B, k) what wheels count beyond any motion, rad, added up over `BLOCK` samples each, and its
         derivatives (B, k, p): over them what encoders round is no noise, and noisy angles bend little.
@@ -54,14 +53,18 @@ class RunPart:
     free_slope: Array
     prior: Array
     prior_slope: Array
-    start_effect: Array
+    own: Own
     path: Array
-    clock: float
     weight: Array
     strain: Array
     strain_slope: Array
     travel: Array
     place: Array
+
+    @property
+    def clock(self) -> float:
+        """Offset of the truth's clock behind that of the wheels, s; NaN where the motion does not tell it."""
+        return self.own.clock(self.error)
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,16 +97,20 @@ class Problem:
 
     def residuals(self, x: Array) -> tuple[Array, Array]:
         """Weighted errors (n,) and their derivatives (n, p)."""
-        parts = self.parts(x)
+        return self.weighted(self.parts(x))
+
+    def weighted(self, parts: Sequence[RunPart]) -> tuple[Array, Array]:
+        """The same of every run at one unknown."""
+        p = len(self.drive.names)
         roots = [np.sqrt(part.weight) for part in parts]
         r, J = [], []
         for part, root in zip(parts, roots, strict=True):
             r += [(part.free_error * root).ravel(), part.prior]
-            J += [(part.free_slope * root[..., None]).reshape(-1, len(x)), part.prior_slope]
+            J += [(part.free_slope * root[..., None]).reshape(-1, p), part.prior_slope]
             if self.tightness is not None and part.strain.shape[1]:
                 tight = np.sqrt(self.tightness)
                 r.append((part.strain * tight).ravel())
-                J.append((part.strain_slope * tight[:, None]).reshape(-1, len(x)))
+                J.append((part.strain_slope * tight[:, None]).reshape(-1, p))
         return np.concatenate(r), np.concatenate(J)
 
     def _part(self, run: Run, p: Array, sure: Array) -> RunPart:
@@ -111,11 +118,12 @@ class Problem:
         at, scale = self.drive.sampled(run, p), self.drive.scale
         n = len(at.increments)
         poses, slope = np.empty((n, 3)), np.empty((n, 3, len(p)))
-        start = np.array([*run.truth[0, :2], run.heading[0]])
+        heading = run.heading
+        start = np.array([*run.truth[0, :2], heading[0]])
         increments = at.increments + run.drift if len(run.drift) else at.increments
         sensitivities_into(increments, at.slopes * scale, start, share, exact, poses, slope)
         error = poses - run.truth
-        error[:, 2] = poses[:, 2] - run.heading
+        error[:, 2] = poses[:, 2] - heading
         weight = np.full(n, 1.0 / n)
         weight[-1] += self.final_weight**2
         weight = weight[:, None] * np.array([1.0, 1.0, self.lever**2]) / len(self.runs)
@@ -125,13 +133,13 @@ class Problem:
         blocks = np.arange(0, n, BLOCK)
         strain, by_strain = (np.add.reduceat(rows, blocks, axis=0) for rows in (at.strain, at.strain_slopes * scale))
         return RunPart(
-            error, slope, free_error[..., 0], free_slope, prior[:, 0], prior_slope, own.effects[..., :3], poses,
-            own.clock(error), weight, strain, by_strain, travel, run.truth[:, :2],
+            error, slope, free_error[..., 0], free_slope, prior[:, 0], prior_slope, own, poses, weight, strain,
+            by_strain, travel, run.truth[:, :2],
         )  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
-class _Own:
+class Own:
     """Unknowns of one run: effects (N, 3, 4), roots of weights (N, 3); the inverse of their normal matrix (4, 4)."""
 
     effects: Array
@@ -154,7 +162,7 @@ class _Own:
         return float(g[3] - by_start @ g[:3]) / alone if alone > TOLD**2 * float(G[3, 3]) else float("nan")
 
 
-def _own(run: Run, poses: Array, root: Array, sure: Array) -> _Own:
+def _own(run: Run, poses: Array, root: Array, sure: Array) -> Own:
     """What another start (x, y, heading) and a later clock of the truth do to the errors of a run."""
     effects = np.zeros((len(poses), 3, 4))
     effects[:, 0, 0] = effects[:, 1, 1] = effects[:, 2, 2] = 1.0
@@ -163,8 +171,10 @@ def _own(run: Run, poses: Array, root: Array, sure: Array) -> _Own:
     flat = (effects * root[..., None]).reshape(-1, 4)
     normal = flat.T @ flat + np.diag(sure)
     size = np.sqrt(np.maximum(np.diagonal(normal), 1e-300))
-    inverse = np.linalg.pinv(normal / np.outer(size, size), rcond=TOLD**2, hermitian=True) / np.outer(size, size)
-    return _Own(effects, root, inverse, sure)
+    values, vectors = np.linalg.eigh(normal / np.outer(size, size))
+    told = np.where(values > TOLD**2 * values[-1], values, np.inf)
+    inverse = (vectors / told) @ vectors.T / np.outer(size, size)
+    return Own(effects, root, inverse, sure)
 
 
 def path_lever(runs: Sequence[Run]) -> float:

@@ -2,32 +2,27 @@
 
 Errors of odometry along a path hang together: each slip shifts and turns all that follows. Counting every sample as
 news would promise far too much. Here the noise is a random walk of the base, white per way of the wheels, in both
-directions and in heading, beside white noise of the truth's place and heading; their four intensities come from how
-what calibration leaves grows over spans of the runs. With `H = J^T W J`, an estimate moves by `H^-1 S_i` when the base
-slips in sample i, where S_i sums `J^T W` times the shift over all later samples; J is what is left of the derivatives
-without the run's own start and clock.
+directions and in heading, beside white noise of the truth's place and heading (`noise`). With `H = J^T W J`, an
+estimate moves by `H^-1 S_i` when the base slips in sample i, where S_i sums `J^T W` times the shift over all later
+samples; J is what is left of the derivatives without the run's own start and clock.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.optimize import nnls
 
 from holonom.arrays import Array
 from holonom.errors import CalibrationError
-from holonom.mobile.calibration.fitting.residuals import SURE, RunPart
+from holonom.mobile.calibration.fitting.noise import Noise, later, misfit, noise_of
+from holonom.mobile.calibration.fitting.residuals import RunPart
 from holonom.mobile.calibration.parameters import Parameters
 
-__all__ = ["Noise", "check_excitation", "noise_covariance", "noise_of", "sureness", "tightness"]
+__all__ = ["check_excitation", "noise_covariance", "tightness"]
 
 
-SURER = 100.0  # square of how much surer a start is by a way than by its first sample
-SPANS = 4  # of the longest kind that a run has at least
 UNSEEN = 1e-7  # relative singular value below which a combination has no effect at all
 OPEN = 0.3  # standard deviation of a combination, relative to the parameters' scale, above which it is left open
 MOST = 4  # names in a message
@@ -67,15 +62,18 @@ class _Scores:
 def noise_covariance(parts: Sequence[RunPart], noise: Noise | None = None, tight: Array | None = None) -> Array:
     """Covariance (p, p) of the scaled parameters at the least squares solution, by the noise that the parts show.
 
+    A run that is missed by more than that explains is taken for as much noisier (`misfit`).
+
     Parameters
     ----------
-    noise : that of the base and the truth, where it is known from elsewhere.
+    noise : that of the base and the truth, where it is known from elsewhere; every run is then as noisy as that.
     tight : (k,) weights of the squares of what wheels count beyond any motion, which is white from block to block, and
         not alone among the wheels: each slip shows in the strain of all.
 
     Source: the usual sandwich `H^-1 S H^-1` (White 1980), with S of the noise above.
     """
-    H, S = _normal(parts, noise)
+    q = noise_of(parts) if noise is None else noise
+    H, S = _normal(parts, q, misfit(parts, q) if noise is None else np.ones(len(parts)))
     if tight is not None and len(tight):
         own = _strains(parts)
         for part in parts:
@@ -94,7 +92,7 @@ def tightness(parts: Sequence[RunPart]) -> Array:
     k = parts[0].strain.shape[1]
     if k == 0:
         return np.empty(0)
-    H, S = _normal(parts, None)
+    H, S = _normal(parts, noise_of(parts), np.ones(len(parts)))
     told = np.linalg.eigvalsh(H)
     unit = float(np.trace(np.linalg.pinv(H, rcond=UNSEEN**2, hermitian=True) @ S))
     unit /= max(int(np.count_nonzero(told > UNSEEN**2 * told[-1])), 1)
@@ -118,99 +116,22 @@ def _strains(parts: Sequence[RunPart]) -> Array:
     return np.asarray(seen + (FINEST * way) ** 2 * np.eye(k))
 
 
-def _normal(parts: Sequence[RunPart], noise: Noise | None) -> tuple[Array, Array]:
-    """`J^T W J` (p, p) of the paths, and the covariance of `J^T W e`."""
-    q = noise_of(parts) if noise is None else noise
+def _normal(parts: Sequence[RunPart], q: Noise, times: Array) -> tuple[Array, Array]:
+    """`J^T W J` (p, p) of the paths, and the covariance of `J^T W e`, of runs so many times (runs,) as noisy as q."""
     p = parts[0].slope.shape[2]
     H, S = np.zeros((p, p)), np.zeros((p, p))
-    for part in parts:
-        J, w = part.free_slope, part.weight
-        H += np.einsum("kcp,kc,kcq->pq", J, w, J, optimize=True)
+    white = np.array([q.place, q.place, q.heading])
+    for part, worse in zip(parts, times, strict=True):
+        J = part.free_slope.reshape(-1, p)
+        weighted = J * part.weight.reshape(-1, 1)
+        H += J.T @ weighted + part.prior_slope.T @ part.prior_slope
         scores = _scores(part)
         walk = _outer(scores, scores, part.travel)
-        S += q.shift * walk[0] + q.turn * walk[1]
-        white = np.array([q.place, q.place, q.heading])
-        S += np.einsum("kcp,kc,kcq->pq", J, w**2 * white, J, optimize=True)
-        H += part.prior_slope.T @ part.prior_slope
-        start = np.einsum("kcp,kc,kcs->ps", J, w, part.start_effect, optimize=True)  # of the first pose, taken for true
-        S += (start * white) @ start.T
+        S += worse * (q.shift * walk[0] + q.turn * walk[1])
+        S += worse * weighted.T @ (weighted * np.tile(white, len(part.weight))[:, None])
+        start = weighted.T @ part.own.effects[..., :3].reshape(-1, 3)  # of the first pose, taken for true
+        S += worse * (start * white) @ start.T
     return H, S
-
-
-class Noise(NamedTuple):
-    """Intensities of the base's random walk per way of its wheels (m^2/rad, rad^2/rad), variances of the truth."""
-
-    shift: float
-    turn: float
-    place: float
-    heading: float
-
-
-def noise_of(parts: Sequence[RunPart]) -> Noise:
-    """The noise that the errors of odometry show, by how they grow from sample to sample and over longer spans.
-
-    Over a span the base's own motion by the wheels less that by the truth has a variance that grows with the way where
-    the base slips, and one that stays where the truth is noisy (Allan 1966). Its expectation is linear in the four
-    intensities; spans of 1, 2, 4, ... samples are fitted, by nonnegative least squares.
-    """
-    rows, seen, counts = [], [], []
-    for part in parts:
-        truth = part.path - part.free_error
-        for lag in _lags(len(truth)):
-            at = np.arange(0, len(truth) - lag, max(1, lag // 4))
-            ours, theirs = (_moved(poses, at, lag) for poses in (part.path, truth))
-            way = np.cumsum(part.travel)
-            travel, step = float(np.mean(way[at + lag] - way[at])), float(np.mean((ours[:, :2] ** 2).sum(axis=1)))
-            bent = travel * step / 12.0  # what turns inside a span do to its chord, seen half-way round
-            count = np.sqrt(max((len(truth) - lag) / lag, 1.0))
-            for row, square in (
-                ([2.0 * travel, bent, 4.0, 0.5 * step], ((ours - theirs)[:, :2] ** 2).sum(axis=1).mean()),
-                ([0.0, travel, 0.0, 2.0], ((ours - theirs)[:, 2] ** 2).mean()),
-            ):
-                rows.append(row)
-                seen.append(float(square))
-                counts.append(count)
-    b = np.maximum(seen, 1e-30)
-    scale = np.array(counts) / b  # a variance scatters by as much as it is
-    A = np.array(rows) * scale[:, None]
-    size = np.linalg.norm(A, axis=0)
-    size[size == 0.0] = 1.0
-    found = nnls(A / size, b * scale)[0] / size
-    return Noise(*(float(value) for value in found))
-
-
-def sureness(parts: Sequence[RunPart], periods: Sequence[float]) -> Array:
-    """Weights (runs, 4) of the squares of each run's start (x, y, heading) and clock (s).
-
-    The truth's first sample knows the start to its own noise, all samples along the way much better; a clock is trusted
-    to a period of the samples (`clock_of` finds larger offsets beforehand). Beside that stands what the base's walk
-    makes of the errors: with hardly any noise the start is as good as known, without any walk it is free.
-
-    Parameters
-    ----------
-    periods : (runs,) s.
-    """
-    q = noise_of(parts)
-    white, rows = np.array([q.place, q.place, q.heading]), []
-    for part, period in zip(parts, periods, strict=True):
-        seen = float((part.weight * part.error**2).sum())
-        walk = max(seen - float((part.weight * white).sum()), 0.0)
-        rows.append(np.minimum(walk / np.maximum([*(SURER * white), period**2], 1e-30), SURE))
-    return np.array(rows)
-
-
-def _lags(samples: int) -> list[int]:
-    """Spans, in samples, of which a run has four or more."""
-    return [2**k for k in range(int(np.log2(max(samples // SPANS, 1))) + 1)]
-
-
-def _moved(poses: Array, at: NDArray[np.intp], lag: int) -> Array:
-    """Motion (K, 3) over spans from samples (K,), in the frame half-way round."""
-    step = poses[at + lag] - poses[at]
-    middle = poses[at, 2] + 0.5 * step[:, 2]
-    c, s = np.cos(middle), np.sin(middle)
-    x, y, turn = step.T
-    return np.stack([c * x + s * y, c * y - s * x, turn], axis=1)
 
 
 def check_excitation(
@@ -260,22 +181,17 @@ def _advice(name: str) -> str:
 def _scores(part: RunPart) -> _Scores:
     """What a shift or a turn in sample i does to `J^T W e`, summed over the samples from i on."""
     J, w, (x, y) = part.free_slope, part.weight, part.place.T
-    shift = _later(J[:, :2].transpose(0, 2, 1) * w[:, None, :2])
-    swing = _later(w[:, :1] * (x[:, None] * J[:, 1] - y[:, None] * J[:, 0]))
+    shift = later(J[:, :2].transpose(0, 2, 1) * w[:, None, :2])
+    swing = later(w[:, :1] * (x[:, None] * J[:, 1] - y[:, None] * J[:, 0]))
     turn = swing - (x[:, None] * shift[..., 1] - y[:, None] * shift[..., 0])
-    return _Scores(shift, turn + _later(w[:, 2:] * J[:, 2]))
-
-
-def _later(values: Array) -> Array:
-    """Sums over this and all later samples."""
-    return np.flip(np.cumsum(np.flip(values, 0), axis=0), 0)
+    return _Scores(shift, turn + later(w[:, 2:] * J[:, 2]))
 
 
 def _outer(a: _Scores, b: _Scores, travel: Array) -> Array:
     """(2, p, p): for unit shifts, for unit turns."""
     return np.stack(
         [
-            np.einsum("kpd,k,kqd->pq", a.shift, travel, b.shift, optimize=True),
-            np.einsum("kp,k,kq->pq", a.turn, travel, b.turn, optimize=True),
+            np.tensordot(a.shift * travel[:, None, None], b.shift, axes=([0, 2], [0, 2])),
+            (a.turn * travel[:, None]).T @ b.turn,
         ]
     )
