@@ -1,25 +1,41 @@
-"""`simulate_axis`: one axis under its servo, with quantised angles, friction, backlash, limits and delays."""
+"""`simulate_axis`: one axis under its drive, with quantised angles, friction, backlash, limits, delays and faults."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from holonom.arrays import Array
-from holonom.closed_loop.axis_kernels import ROWS, run_axis
+from holonom.closed_loop.axis_faults import AxisFault, faults_of
+from holonom.closed_loop.axis_kernels import ROWS, Plant, run_axis
 from holonom.control import CascadeGains
-from holonom.devices import tracking_params
+from holonom.control.servo.causes import Cause
+from holonom.devices import Friction
+from holonom.devices.encoders.quadrature.encoder import QuadratureEncoder
+from holonom.devices.power.brake import BrakeState
 from holonom.errors import OutOfLimits, ShapeError
-from holonom.machine.axis.kernels import CURRENT_LOOP, POSITION_LOOP, SPEED_LOOP, AxisServoParams, AxisServoState
+from holonom.machine.axis.drive import OUTER, DriveSettings, drive_params, drive_start
+from holonom.machine.axis.drive_kernels import NONE
 from holonom.sim.axis.axis import Axis
 
-__all__ = ["AxisRun", "simulate_axis"]
+__all__ = ["AxisEvent", "AxisRun", "simulate_axis"]
 
-OUTER = {"position": POSITION_LOOP, "speed": SPEED_LOOP, "current": CURRENT_LOOP}
+LONGEST_STOP = 1.0  # s that a run goes on after its reference where a stop is under way
+
+
+@dataclass(frozen=True, slots=True)
+class AxisEvent:
+    """A cause that the drive found: time, s; name (`Cause`); in words; whether it was the first, or follows from it."""
+
+    time: float
+    cause: Cause
+    text: str
+    first: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +56,11 @@ class AxisRun:
         A, V, A, rad/s of the motor.
     square_current
         Mean of the squared current over each sample, A2.
+    phase
+        Of the drive: `machine.axis.drive_kernels`, OFF 0, CHECKING 1, RELEASING 2, RUNNING 3, SLOWING 4, CLOSING 5,
+        HOLDING 6, BLIND 7.
+    events
+        What the drive found, the first cause before what follows from it.
     """
 
     time: Array
@@ -54,6 +75,8 @@ class AxisRun:
     current_reference: Array
     speed_reference: Array
     square_current: Array
+    phase: NDArray[np.int64]
+    events: tuple[AxisEvent, ...]
 
 
 def simulate_axis(
@@ -65,6 +88,10 @@ def simulate_axis(
     load_torque: ArrayLike | None = None,
     start: float = 0.0,
     feed_forward: bool = True,
+    drive: DriveSettings = DriveSettings(),
+    known: Axis | None = None,
+    faults: Iterable[AxisFault] = (),
+    stop: tuple[float, int] | None = None,
 ) -> AxisRun:
     """Run an axis along a reference.
 
@@ -85,30 +112,56 @@ def simulate_axis(
         Joint angle (rad) at which it stands at first.
     feed_forward
         Whether the derivatives of the reference act.
+    drive
+        How the drive starts, what it supervises, how it stops.
+    known
+        The axis that its controller believes in, where it is another one: its sheets, not what they are out by.
+    faults
+        What breaks.
+    stop
+        Time (s) and category (0, 1, 2) of a stop that is asked for.
 
     Raises
     ------
     ShapeError
         A reference or a load of another shape, or not finite.
     OutOfLimits
-        A loop that there is not; sample times of which one is no multiple of the one inside.
+        A loop that there is not; sample times of which one is no multiple of the one inside; an encoder whose counts per
+        turn are no multiple of four; a stop of another category; faults that exclude each other.
     """
     if loop not in OUTER:
         raise OutOfLimits(f"simulate_axis: loop is {loop!r}; it must be one of {', '.join(OUTER)}")
     given = _reference(reference)
-    n, ratio = given.shape[1], axis.gear.ratio
+    n, ratio, dt, tick = given.shape[1], axis.gear.ratio, gains.times.current, gains.times.position
     loads = _loads(axis, load_torque, n)
     at_motor = given if loop == "current" else ratio * given
     if not feed_forward or loop == "current":
         at_motor = np.stack([at_motor[0], np.zeros(n), np.zeros(n)])
-    servo = _servo(axis, gains, OUTER[loop])
-    dt = gains.times.current
-    state, seen = axis.at(start), _standing(axis, start)
-    log = np.empty((ROWS, n))
-    run_axis(axis.plant(dt), servo, state, seen, np.ascontiguousarray(at_motor), loads, log)
+    believed = known if known is not None else axis
+    friction = believed.known_friction if feed_forward else Friction()
+    params = drive_params(believed.servo_axis(), friction, gains, loop, drive)
+    faults = tuple(faults)
+    encoder = _encoder(axis)
+    brake = drive.brake.params(dt)
+    for fault in faults:
+        if fault.kind == "wrong_counts":
+            encoder = QuadratureEncoder(round(fault.value / 4))
+        if fault.kind == "brake_slips":
+            brake = brake._replace(torque=fault.value)
+    plant = Plant(axis.plant(dt), encoder.params(), brake, faults_of(faults, axis.motor.max_voltage, dt))
+    state, shaft = axis.at(start), encoder.start(ratio * start)
+    own = drive_start(params, drive, math.floor(ratio * start / axis.encoder.resolution))
+    asked_step, category = _stop(stop, dt)
+    ticks = n + (round(LONGEST_STOP / tick) if stop is not None or faults or drive.start == "off" else 0)
+    log, events = np.empty((ROWS, ticks)), np.zeros((16, 2), dtype=np.int64)
+    many = run_axis(
+        plant, params, state, shaft, BrakeState(1 if drive.start == "off" else 0, 0), own,
+        np.ascontiguousarray(at_motor), loads, asked_step, category, log, events,
+    )  # fmt: skip
+    asked = np.interp(log[11], np.arange(n), given[0])
     return AxisRun(
-        time=gains.times.position * np.arange(n, dtype=float),
-        reference=given[0].copy(),
+        time=tick * np.arange(ticks, dtype=float),
+        reference=asked,
         position=log[0] / ratio,
         speed=log[2] / ratio,
         motor_position=log[1],
@@ -119,7 +172,33 @@ def simulate_axis(
         current_reference=log[6],
         speed_reference=log[7],
         square_current=log[8],
+        phase=log[10].astype(np.int64),
+        events=tuple(
+            AxisEvent(step * dt, Cause(code), Cause(code).text, e == 0)
+            for e, (step, code) in enumerate(events[:many].tolist())
+        ),
     )
+
+
+def _encoder(axis: Axis) -> QuadratureEncoder:
+    counts = axis.encoder.counts_per_rev
+    if counts % 4:
+        raise OutOfLimits(
+            f"simulate_axis: the encoder has {counts} counts per turn; with 4x decoding they are a multiple of four"
+        )
+    return QuadratureEncoder(counts // 4)
+
+
+def _stop(stop: tuple[float, int] | None, dt: float) -> tuple[int, int]:
+    """Step and category."""
+    if stop is None:
+        return -1, NONE
+    time, category = stop
+    if category not in (0, 1, 2) or not 0.0 <= time < math.inf:
+        raise OutOfLimits(
+            f"simulate_axis: stop is {stop!r}; it must be a time (s, at least 0) and a category 0, 1 or 2"
+        )
+    return round(time / dt), category
 
 
 def _reference(reference: ArrayLike) -> Array:
@@ -140,41 +219,3 @@ def _loads(axis: Axis, load_torque: ArrayLike | None, n: int) -> Array:
     if torque.shape not in ((), (n,)) or not np.isfinite(torque).all():
         raise ShapeError(f"load_torque: shape {torque.shape} came; a number or ({n},) finite numbers are needed")
     return np.ascontiguousarray(np.broadcast_to((torque + axis.load.torque) / axis.gear.ratio, n))
-
-
-def _servo(axis: Axis, gains: CascadeGains, outer: int) -> AxisServoParams:
-    times, m = gains.times, axis.servo_axis()
-    rubbing = axis.rubbing
-    coulomb = 0.5 * (rubbing.coulomb_positive + rubbing.coulomb_negative) + axis.load.coulomb / abs(axis.gear.ratio)
-    inner = _multiple("speed", times.speed, times.current)
-    return AxisServoParams(
-        encoder=axis.encoder.params(),
-        tracking=tracking_params(gains.observer_bandwidth, times.speed),
-        current=gains.current,
-        speed=gains.speed,
-        position=gains.position,
-        acceleration_per_ampere=m.torque_constant / m.inertia,
-        viscous_current=m.viscous / m.torque_constant,
-        friction_current=coulomb / m.torque_constant,
-        speed_samples=inner,
-        position_samples=_multiple("position", times.position, times.speed)
-        * _multiple("speed", times.speed, times.current),
-        outer=outer,
-    )
-
-
-def _multiple(name: str, slow: float, fast: float) -> int:
-    count = round(slow / fast)
-    if abs(count * fast - slow) > 1e-6 * slow:
-        raise OutOfLimits(
-            f"simulate_axis: the {name} loop samples every {slow:g} s; that must be a multiple of {fast:g} s, the "
-            "sample time of the loop inside"
-        )
-    return count
-
-
-def _standing(axis: Axis, start: float) -> AxisServoState:
-    """What a servo knows of an axis that stands, homed, without current."""
-    encoder = axis.encoder.params()
-    count = math.floor(axis.gear.ratio * start * encoder.counts_per_rad)
-    return AxisServoState(count, (count + 0.5) * encoder.resolution, *([0.0] * 10))

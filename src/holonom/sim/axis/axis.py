@@ -86,6 +86,15 @@ class Axis:
         return Friction(0.0, idle, idle)
 
     @property
+    def known_friction(self) -> Friction:
+        """Friction of motor and load together, at the motor's shaft, which a controller may feed forward."""
+        own, ratio, load = self.rubbing, abs(self.gear.ratio), self.load
+        coulomb = load.coulomb / ratio
+        return Friction(
+            own.viscous + load.viscous / ratio**2, own.coulomb_positive + coulomb, own.coulomb_negative + coulomb
+        )
+
+    @property
     def load_inertia(self) -> float:
         """Of the load at the motor's shaft, kg m2."""
         return self.load.inertia / self.gear.ratio**2

@@ -48,18 +48,22 @@ class AxisState(NamedTuple):
 
 
 @loop(error_model="numpy", forceinline=True)
-def axis_step(params: AxisPlantParams, state: AxisState, voltage: float, load: float) -> AxisState:
+def axis_step(
+    params: AxisPlantParams, state: AxisState, voltage: float, load: float, brake: float = 0.0, conducts: bool = True
+) -> AxisState:
     """One step under a voltage (V) and a torque on the load (N m, against its motion in the positive direction).
+
+    `brake` is what a holding brake on the motor's shaft holds, N m; a winding that does not conduct has no current.
 
     The gear's loss is friction that grows with the torque it carries: the motor feels T / eta while it drives,
     T eta while it is driven back, and anything between at standstill.
     """
     p = params
-    current = armature_step(p.armature, state.current, voltage, state.speed)
+    current = armature_step(p.armature, state.current, voltage, state.speed) if conducts else 0.0
     drive = p.torque_constant * 0.5 * (state.current + current)
     loss = p.lost * abs(state.torque)
     if p.rigid:
-        rubbing = p.mean * p.load_coulomb + loss
+        rubbing = p.mean * p.load_coulomb + loss + brake
         push = drive - p.mean * load - (p.viscous + p.mean * p.load_viscous) * state.speed
         speed = sliding_speed(
             state.speed, push, p.coulomb_positive + rubbing, p.coulomb_negative + rubbing, p.per_torque
@@ -77,7 +81,8 @@ def axis_step(params: AxisPlantParams, state: AxisState, voltage: float, load: f
     elif twist < -p.half_gap:
         torque = min(p.stiffness * (twist + p.half_gap + p.dt * rate) + p.damping * rate, 0.0)
     push = drive - p.mean * torque - p.viscous * state.speed
-    speed = sliding_speed(state.speed, push, p.coulomb_positive + loss, p.coulomb_negative + loss, p.per_torque)
+    rubbing = loss + brake
+    speed = sliding_speed(state.speed, push, p.coulomb_positive + rubbing, p.coulomb_negative + rubbing, p.per_torque)
     pull = torque - load - p.load_viscous * state.load_speed
     load_speed = sliding_speed(state.load_speed, pull, p.load_coulomb, p.load_coulomb, p.load_per_torque)
     return AxisState(
