@@ -16,7 +16,9 @@ __all__ = ["PotentiometerHoming", "PotentiometerParams", "potentiometer_step"]
 
 
 class PotentiometerParams(NamedTuple):
-    """Counts per turn; an index's position; position = zero + slope x reading, counts; readings that are possible;
+    """Numbers of a homing by potentiometer and index.
+
+    Counts per turn; an index's position; position = zero + slope x reading, counts; readings that are possible;
     counts that potentiometer and index may differ by; speed, counts/s; samples after which it gives up.
     """
 
@@ -38,21 +40,17 @@ class PotentiometerHoming:
     Raises
     ------
     ModelError
-        A field outside its range; a potentiometer that is not linear to half a turn: it cannot tell the turn; a range of
-        readings that is none.
+        A field outside its range; a potentiometer that is not linear to half a turn: it cannot tell the turn; a
+        range of readings that is none.
     """
 
     counts_per_rev: int = parameter(meaning="counts per turn of the motor", least=4, example=4000)
-    counts_per_volt: float = parameter(
-        meaning="slope of the potentiometer, may be negative", unit="1/V", example=40000.0
-    )
+    counts_per_volt: float = parameter(meaning="slope of the potentiometer, signed", unit="1/V", example=40000.0)
     zero_voltage: float = parameter(0.0, meaning="reading at position 0", unit="V")
     index_position: int = parameter(0, meaning="position of any one index, counts")
     lowest: float = parameter(-10.0, meaning="reading below which a wire is broken", unit="V")
     highest: float = parameter(10.0, meaning="reading above which a wire is broken", unit="V")
-    error: float = parameter(
-        0.1, meaning="largest error of the potentiometer, turns of the motor", above=0.0, below=0.5
-    )
+    error: float = parameter(0.1, meaning="greatest, of the potentiometer, turns of the motor", above=0.0, below=0.5)
     speed: float = parameter(4000.0, meaning="of the move to the index, its sign the direction, counts/s")
     time_limit: float = parameter(5.0, meaning="time after which it gives up", unit="s", above=0.0)
 

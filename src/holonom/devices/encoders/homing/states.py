@@ -35,9 +35,10 @@ class HomingFault(IntEnum):
 
 
 class HomingState(NamedTuple):
-    """Phase (`HomingPhase`) and fault (`HomingFault`); samples since the start; count and index pulses at the start of
-    the phase; speed that is asked of the axis, counts/s; once it is done, what is added to the count: position = count +
-    offset.
+    """How far a homing has got.
+
+    Phase (`HomingPhase`) and fault (`HomingFault`); samples since the start; count and index pulses at the start of the
+    phase; speed that is asked of the axis, counts/s; once it is done, what is added: position = count + offset.
     """
 
     phase: int

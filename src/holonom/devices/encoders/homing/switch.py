@@ -16,7 +16,9 @@ __all__ = ["SwitchHoming", "SwitchParams", "switch_step"]
 
 
 class SwitchParams(NamedTuple):
-    """Counts per turn; the home index's position and its distance from where the switch opens, and what that may be off
+    """Numbers of a homing by switch and index.
+
+    Counts per turn; the home index's position and its distance from where the switch opens, and what that may be off
     by; travels to the switch and out of it; speeds to the switch and out of it, counts/s; samples to give up after.
     """
 
@@ -59,8 +61,9 @@ class SwitchHoming:
             raise ModelError("SwitchHoming: search_speed is 0; it must be another number, its sign the direction")
         if not self.tolerance <= self.distance <= 1.0 - self.tolerance:
             raise ModelError(
-                f"SwitchHoming: distance is {self.distance:g} turns with a tolerance of {self.tolerance:g}; the index must stay "
-                f"clear of the switch, distance within {self.tolerance:g} to {1.0 - self.tolerance:g}: move the switch"
+                f"SwitchHoming: distance is {self.distance:g} turns with a tolerance of {self.tolerance:g}; the "
+                f"index must stay clear of the switch, distance within {self.tolerance:g} to {1.0 - self.tolerance:g}: "
+                "move the switch"
             )
 
     def params(self, dt: float) -> SwitchParams:
@@ -85,10 +88,11 @@ def switch_step(
 ) -> HomingState:
     """One sample: count, index pulses and the count latched at the last one, whether the switch is closed.
 
-    A switch that is closed at the start is left first (`BACKING_OFF`); then `SEARCHING` until it closes, `LEAVING` until it
-    opens, `TO_INDEX`. `MISSING_SWITCH`, `STUCK_SWITCH`: it does not close, or open, on the longest way; `MISSING_INDEX`: none
-    within a turn and a quarter; `WRONG_TURN`: the index lies elsewhere from the switch than at commissioning, so that it
-    may be its neighbour; `TIME_OUT`: the axis does not get there.
+    A switch that is closed at the start is left first (`BACKING_OFF`); then `SEARCHING` until it closes, `LEAVING`
+    until it opens, `TO_INDEX`. `MISSING_SWITCH`, `STUCK_SWITCH`: it does not close, or open, on the longest way;
+    `MISSING_INDEX`: none within a turn and a quarter; `WRONG_TURN`: the index lies elsewhere from the switch than at
+    commissioning, so that it may be its neighbour; `TIME_OUT`: the axis does not get there. A switch that has moved by
+    whole turns of the motor is not told.
     """
     if state.phase >= 5:
         return state

@@ -67,7 +67,7 @@ class SinCosEncoder:
         return float(np.abs(np.remainder(error + math.pi, 2.0 * math.pi) - math.pi).max()) / self.lines
 
     def resolution(self, bits: int) -> float:
-        """Smallest step (rad of the shaft) with converters of a number of bits over the whole swing, `2 / (2^bits lines)`."""
+        """Smallest step (rad of the shaft) with converters of some bits over the whole swing, `2 / (2^bits lines)`."""
         require("SinCosEncoder.resolution", "bits", bits, least=2)
         return 2.0 / 2.0**bits / self.lines
 

@@ -73,7 +73,7 @@ class MTMethod:
         return MTState(0.0, reading.edge, reading.stamp, reading.direction)
 
     def window(self, speed: float) -> float:
-        """Time (s) between the edges that a value is made of, at a speed (rad/s): the interval, or the period if that is longer."""
+        """Time (s) between the edges that a value is made of, at a speed (rad/s): the interval, or a longer period."""
         return max(self.interval, math.inf if speed == 0.0 else self.edge_angle / abs(speed))
 
     def resolution(self, speed: float) -> float:
