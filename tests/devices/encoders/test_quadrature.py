@@ -185,6 +185,13 @@ def test_a_fault_that_ends_leaves_what_it_cost() -> None:
     assert on.counts - back.counts == 11
 
 
+@pytest.mark.parametrize("angle", [math.nan, math.inf, -math.inf, 1e12, -1e12])
+def test_an_angle_that_no_shaft_has_hangs_no_loop(angle: float) -> None:
+    for faults in (HEALTHY, line_faults(a="low"), line_faults(lost=0.5)):
+        for start in (0.0, 0.5, -0.5):
+            quadrature_step(ENCODER.params(), faults, ENCODER.start(start), angle)
+
+
 def test_random_walk_by_numpy() -> None:
     """Independent: counts from the signs of two square waves sampled finely."""
     angles = np.cumsum(np.random.default_rng(3).uniform(-0.09, 0.1, 3000))

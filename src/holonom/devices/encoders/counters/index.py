@@ -55,6 +55,7 @@ class IndexState(NamedTuple):
 
 
 INDEX_START = IndexState(0, 0, 0, 0, 0, 0)
+"""State before the first index."""
 
 
 @dataclass(frozen=True, slots=True)

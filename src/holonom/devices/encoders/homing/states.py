@@ -51,6 +51,7 @@ class HomingState(NamedTuple):
 
 
 HOMING_START = HomingState(0, 0, 0, 0, 0, 0.0, 0)
+"""State before the first sample."""
 
 
 @loop

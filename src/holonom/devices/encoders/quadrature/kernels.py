@@ -48,6 +48,10 @@ class LineFaults(NamedTuple):
 
 
 HEALTHY = LineFaults()
+"""Lines without a fault."""
+
+FARTHEST = 1 << 24
+"""Edges that are followed one by one in a step; no shaft makes more, and an angle that is no number hangs no loop."""
 
 
 class QuadratureState(NamedTuple):
@@ -140,7 +144,8 @@ def quadrature_step(
     quarter = math.floor(angle * params.quarters_per_rad)
     wrong = (faults.a & faults.b & faults.z) != -1 or faults.swapped != 0
     rough = faults.lost > 0.0 or faults.glitches > 0.0
-    if wrong or rough or state.levels != line_levels(state.quarter, state.place):
+    near = -FARTHEST < quarter - state.quarter < FARTHEST
+    if near and (wrong or rough or state.levels != line_levels(state.quarter, state.place)):
         return _follow(params, faults, state, quarter)
     if quarter == state.quarter:
         return state

@@ -107,6 +107,7 @@ LINE_RECEIVERS: Mapping[str, LineReceiver] = MappingProxyType(
         "current_11ua": LineReceiver(8.0, 5.5, 3.5, 8.0, mismatch=1.5, pull=0.0, analogue=True),
     }
 )
+"""Receivers by kind of interface."""
 
 
 def line_receiver(kind: str) -> LineReceiver:
