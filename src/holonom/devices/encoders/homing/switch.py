@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from holonom.devices._checks import require
-from holonom.devices.encoders.homing.states import HomingState, homing_failed, homing_state
+from holonom.devices.encoders.homing.states import HomingState, homing_done, homing_failed, homing_state, later
 from holonom.errors import ModelError
 from holonom.registry import check_fields, parameter
 from holonom.trace.code.loops import loop
@@ -96,30 +96,28 @@ def switch_step(
     """
     if state.phase >= 5:
         return state
-    state = HomingState(
-        state.phase, state.fault, state.samples + 1, state.mark, state.pulses, state.speed, state.offset
-    )
+    state = later(state)
     moved = abs(count - state.mark)
     if state.samples > params.samples:
         return homing_failed(state, 1)
     if state.phase == 0:
         if closed:
-            return homing_state(state, 1, count, pulses, params.leave_speed)
-        return homing_state(state, 2, count, pulses, params.search_speed)
+            return homing_state(state, 1, count, pulses, 0.0, params.leave_speed)
+        return homing_state(state, 2, count, pulses, 0.0, params.search_speed)
     if state.phase == 1:
         if not closed:
-            return homing_state(state, 2, count, pulses, params.search_speed)
+            return homing_state(state, 2, count, pulses, 0.0, params.search_speed)
         return homing_failed(state, 5) if moved > params.width else state
     if state.phase == 2:
         if closed:
-            return homing_state(state, 3, count, pulses, params.leave_speed)
+            return homing_state(state, 3, count, pulses, 0.0, params.leave_speed)
         return homing_failed(state, 4) if moved > params.travel else state
     if state.phase == 3:
         if not closed:
-            return homing_state(state, 4, count, pulses, params.leave_speed)
+            return homing_state(state, 4, count, pulses, 0.0, params.leave_speed)
         return homing_failed(state, 5) if moved > params.width else state
     if pulses != state.pulses:
         if abs(abs(index_count - state.mark) - params.distance) > params.tolerance:
             return homing_failed(state, 2)
-        return HomingState(5, 0, state.samples, count, pulses, 0.0, params.index_position - index_count)
+        return homing_done(state, params.index_position - index_count)
     return homing_failed(state, 3) if 4 * moved > 5 * params.counts_per_rev else state
