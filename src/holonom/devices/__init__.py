@@ -8,6 +8,10 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 `Friction`              viscous and asymmetric Coulomb
 `LuGre`                 bristles: stick-slip, presliding, Stribeck
 `Encoder`               counts, longest read interval; `tracking_params` for the speed observer
+`QuadratureEncoder`     lines, decoding; every edge, with `line_faults`; `LINE_RECEIVERS`, `Counter`
+`IndexCorrection`       what the index finds lost; `HOMINGS`: ways to find the zero
+`SinCosEncoder`         1 Vpp signals with their errors, `fit_heydemann` against them
+`FRAMES`                kinds of `encode_frame`, `decode_frame`; `SPEED_METHODS`: ways to a speed
 `SteeringMotor`         how fast, hard and exactly a wheel is steered
 `Gyro`                  noise and offset; `Accelerometer` and `CurrentShunt` too
 ======================  ========================================================================
@@ -22,6 +26,12 @@ Compiled steps over scalars (`kernels.py` of each room), for a loop that keeps t
 `lugre_step`            friction of bristles, integrated exactly
 `friction_torque`       friction as a controller feeds it forward, by speed alone
 `gear_torque`           motor torque to joint torque
+`quadrature_step`       motor angle to levels, edges, count and index pulses
+`receive_pairs`         wires to signals, and which is broken or exchanged
+`index_step`            index pulses to lost counts
+`potentiometer_step`    homing; `switch_step` too
+`fine_angle`            count, sine and cosine to motor angle
+`capture_edges`         motor angles to what a timer latches, for the ways to a speed
 `encoder_counter`       motor angle to the 16-bit counter
 `extend_counter`        16-bit reads to a 64-bit count
 `count_angle`           count to motor angle

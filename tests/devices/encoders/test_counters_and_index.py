@@ -71,15 +71,16 @@ def run(
     encoder: QuadratureEncoder = ENCODER,
 ) -> tuple[IndexState, int, list[IndexFault]]:
     """State, corrected count and every fault in order, of a shaft that turns at 100 rad/s, sampled at 10 kHz."""
-    params, state, index, faults_seen = encoder.params(), encoder.start(0.1), INDEX_START, []
+    params, state, index = encoder.params(), encoder.start(0.1), INDEX_START
+    faults_seen: list[IndexFault] = []
     steps = math.ceil(abs(turns) * math.tau / 0.01)
     for k in range(1, steps + 1):
         state = quadrature_step(params, faults, state, 0.1 + turns * math.tau * k / steps)
-        index = index_step(correction.params(), index, state.count, state.pulses, state.index_count)
+        index = index_step(correction.params(), index, state.counts, state.pulses, state.index_count)
         fault = IndexFault(index.fault)
         if not faults_seen or faults_seen[-1] != fault:
             faults_seen.append(fault)
-    return index, corrected_count(index, state.count), faults_seen
+    return index, corrected_count(index, state.counts), faults_seen
 
 
 @pytest.mark.parametrize("turns", [6.5, -6.5])

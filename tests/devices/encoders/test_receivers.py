@@ -133,7 +133,7 @@ def test_an_inverted_channel_is_told_at_the_index() -> None:
         (
             lambda: line_receiver("rs485"),
             UnknownName,
-            "no line receiver 'rs485'; there is current_11ua, rs422, sine_1vpp",
+            "'rs485'; there is current_11ua, rs422, sine_1vpp",
         ),
         (lambda: LineReceiver(amplitude=0.1), ModelError, "amplitude is 0.1; it must lie within least 0.2 and most 10"),
         (lambda: LineReceiver(pull=4.0), ModelError, "an open wire goes to 4, 0.5 from where a healthy one may be"),

@@ -110,8 +110,13 @@ def test_no_correction_changes_nothing() -> None:
 
 
 def test_converters_of_few_bits_see_no_finer() -> None:
-    """12 bits of 2,048 lines; the smallest change of phase is where a signal passes zero, one step of 2/2^12."""
-    assert SinCosEncoder(2048).resolution(12) == pytest.approx(2.0 / 4096 / 2048)
+    """Independent: both signals rounded to the converter's steps, along a whole line."""
+    encoder = SinCosEncoder(16)
+    angles = np.linspace(0.0, math.tau / 16, 40_000)
+    steps = 2.0 * encoder.amplitude / 2**8
+    sine, cosine = steps * np.round(encoder.amplitude * np.array([np.sin(16 * angles), np.cos(16 * angles)]) / steps)
+    seen = np.unique(np.arctan2(sine, cosine)) / 16
+    assert np.diff(seen).max() == pytest.approx(encoder.resolution(8), rel=0.01)
 
 
 HALF = np.linspace(0.0, 0.3, 50)

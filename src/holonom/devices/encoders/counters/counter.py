@@ -42,13 +42,13 @@ class Counter:
         return 2.0 ** (self.bits - 1) / (counts_per_rev * max_speed / (2.0 * math.pi))
 
 
-@loop
+@loop(forceinline=True)
 def wrap_count(bits: int, count: int) -> int:
     """Content (0 ... 2^bits - 1) of a counter that has counted so far."""
     return count & ((1 << bits) - 1)
 
 
-@loop
+@loop(forceinline=True)
 def unwrap_count(bits: int, total: int, counter: int) -> int:
     """64-bit count after a read: the last one plus the signed difference of the two reads.
 

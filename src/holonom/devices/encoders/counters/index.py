@@ -40,8 +40,10 @@ class IndexParams(NamedTuple):
 
 
 class IndexState(NamedTuple):
-    """Pulses seen, corrected count of the last one, what is added to the count; lost since the last one and in all
-    (positive: the counter has too few in the direction of positive counts), and the fault (`IndexFault`).
+    """What the index has told so far.
+
+    Pulses seen, corrected count of the last one, what is added to the count; lost since the last one and in all
+    (positive: the counter stands too low), and the fault (`IndexFault`).
     """
 
     pulses: int
@@ -53,6 +55,7 @@ class IndexState(NamedTuple):
 
 
 INDEX_START = IndexState(0, 0, 0, 0, 0, 0)
+"""State before the first index."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,9 +71,7 @@ class IndexCorrection:
     counts_per_rev: int = parameter(meaning="counts per turn after decoding", least=4, example=4000)
     each_crossing: bool = parameter(True, meaning="put the count right at each crossing, else only tell")
     tolerance: int = parameter(1, meaning="counts that an index may be off before it is a fault", least=0)
-    largest: float = parameter(
-        0.25, meaning="part of a turn beyond which an error is no lost pulse", above=0.0, most=0.5
-    )
+    largest: float = parameter(0.25, meaning="part of a turn; an error beyond it is no lost pulse", above=0.0, most=0.5)
 
     def __post_init__(self) -> None:
         check_fields(self, ModelError)
@@ -99,8 +100,8 @@ def index_step(params: IndexParams, state: IndexState, count: int, pulses: int, 
 
     The first index is the reference. At each one after it the corrected count must be `previous index count +
     counts_per_rev * {-1, 0, 1}`; what it is off by was lost (or was too much). More than an index can put right is
-    `MISPLACED`: no lost pulse but wrong counts per turn, or a pulse that is none; the count is then left alone. A turn and
-    more without one is `MISSING`.
+    `MISPLACED`: no lost pulse but wrong counts per turn, or a pulse that is none; the count is then left alone. A turn
+    and more without one is `MISSING`.
     """
     per_rev, offset = params.counts_per_rev, state.offset
     if pulses == state.pulses:

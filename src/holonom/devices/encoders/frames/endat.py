@@ -16,8 +16,8 @@ __all__ = ["EndatFrame"]
 class EndatFrame:
     """A frame like EnDat's position.
 
-    Its CRC finds every single, triple and burst error up to 5 bits, but no pair 15 or 30 bits apart: the order of x modulo
-    the polynomial is 15.
+    Its CRC finds every single, triple and burst error up to 5 bits, but no pair 15 or 30 bits apart: the order of x
+    modulo the polynomial is 15.
 
     Raises
     ------

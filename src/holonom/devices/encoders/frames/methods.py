@@ -28,7 +28,7 @@ FRAMES = Table(
         "endat": Method(
             "start, alarm, position lowest bit first, CRC-5",
             _itself,
-            "polynomial of EnDat 2.2 as published",
+            "EnDat 2.2, its polynomial as published",
             EndatFrame,
         ),
         "biss": Method(

@@ -7,7 +7,16 @@ from typing import NamedTuple
 
 from holonom.trace.code.loops import loop
 
-__all__ = ["HOMING_START", "HomingFault", "HomingPhase", "HomingState", "homing_failed", "homing_state"]
+__all__ = [
+    "HOMING_START",
+    "HomingFault",
+    "HomingPhase",
+    "HomingState",
+    "homing_done",
+    "homing_failed",
+    "homing_state",
+    "later",
+]
 
 
 class HomingPhase(IntEnum):
@@ -32,12 +41,15 @@ class HomingFault(IntEnum):
     MISSING_SWITCH = 4
     STUCK_SWITCH = 5
     NO_SIGNAL = 6
+    APART = 7
 
 
 class HomingState(NamedTuple):
-    """Phase (`HomingPhase`) and fault (`HomingFault`); samples since the start; count and index pulses at the start of
-    the phase; speed that is asked of the axis, counts/s; once it is done, what is added to the count: position = count +
-    offset.
+    """How far a homing has got.
+
+    Phase (`HomingPhase`) and fault (`HomingFault`); samples since the start; count and index pulses at the start of the
+    phase, and where the potentiometer then was, counts; speed that is asked of the axis, counts/s; once it is done,
+    what is added: position = count + offset.
     """
 
     phase: int
@@ -45,20 +57,43 @@ class HomingState(NamedTuple):
     samples: int
     mark: int
     pulses: int
+    coarse: float
     speed: float
     offset: int
 
 
-HOMING_START = HomingState(0, 0, 0, 0, 0, 0.0, 0)
+HOMING_START = HomingState(0, 0, 0, 0, 0, 0.0, 0.0, 0)
+"""State before the first sample."""
 
 
 @loop
-def homing_state(before: HomingState, phase: int, count: int, pulses: int, speed: float) -> HomingState:
+def homing_state(before: HomingState, phase: int, count: int, pulses: int, coarse: float, speed: float) -> HomingState:
     """A phase that begins here."""
-    return HomingState(phase, 0, before.samples, count, pulses, speed, 0)
+    return HomingState(phase, 0, before.samples, count, pulses, coarse, speed, 0)
+
+
+@loop
+def homing_done(before: HomingState, offset: int) -> HomingState:
+    """Stop: the zero is found."""
+    return HomingState(5, 0, before.samples, before.mark, before.pulses, before.coarse, 0.0, offset)
+
+
+@loop
+def later(state: HomingState) -> HomingState:
+    """One sample on."""
+    return HomingState(
+        state.phase,
+        state.fault,
+        state.samples + 1,
+        state.mark,
+        state.pulses,
+        state.coarse,
+        state.speed,
+        state.offset,
+    )
 
 
 @loop
 def homing_failed(before: HomingState, fault: int) -> HomingState:
     """Stop: it failed."""
-    return HomingState(6, fault, before.samples, before.mark, before.pulses, 0.0, 0)
+    return HomingState(6, fault, before.samples, before.mark, before.pulses, before.coarse, 0.0, 0)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from holonom.devices._checks import require
-from holonom.devices.encoders.homing.states import HomingState, homing_failed, homing_state
+from holonom.devices.encoders.homing.states import HomingState, homing_done, homing_failed, homing_state, later
 from holonom.errors import ModelError
 from holonom.registry import check_fields, parameter
 from holonom.trace.code.loops import loop
@@ -16,7 +16,9 @@ __all__ = ["SwitchHoming", "SwitchParams", "switch_step"]
 
 
 class SwitchParams(NamedTuple):
-    """Counts per turn; the home index's position and its distance from where the switch opens, and what that may be off
+    """Numbers of a homing by switch and index.
+
+    Counts per turn; the home index's position and its distance from where the switch opens, and what that may be off
     by; travels to the switch and out of it; speeds to the switch and out of it, counts/s; samples to give up after.
     """
 
@@ -59,8 +61,9 @@ class SwitchHoming:
             raise ModelError("SwitchHoming: search_speed is 0; it must be another number, its sign the direction")
         if not self.tolerance <= self.distance <= 1.0 - self.tolerance:
             raise ModelError(
-                f"SwitchHoming: distance is {self.distance:g} turns with a tolerance of {self.tolerance:g}; the index must stay "
-                f"clear of the switch, distance within {self.tolerance:g} to {1.0 - self.tolerance:g}: move the switch"
+                f"SwitchHoming: distance is {self.distance:g} turns with a tolerance of {self.tolerance:g}; the "
+                f"index must stay clear of the switch, distance within {self.tolerance:g} to {1.0 - self.tolerance:g}: "
+                "move the switch"
             )
 
     def params(self, dt: float) -> SwitchParams:
@@ -85,37 +88,36 @@ def switch_step(
 ) -> HomingState:
     """One sample: count, index pulses and the count latched at the last one, whether the switch is closed.
 
-    A switch that is closed at the start is left first (`BACKING_OFF`); then `SEARCHING` until it closes, `LEAVING` until it
-    opens, `TO_INDEX`. `MISSING_SWITCH`, `STUCK_SWITCH`: it does not close, or open, on the longest way; `MISSING_INDEX`: none
-    within a turn and a quarter; `WRONG_TURN`: the index lies elsewhere from the switch than at commissioning, so that it
-    may be its neighbour; `TIME_OUT`: the axis does not get there.
+    A switch that is closed at the start is left first (`BACKING_OFF`); then `SEARCHING` until it closes, `LEAVING`
+    until it opens, `TO_INDEX`. `MISSING_SWITCH`, `STUCK_SWITCH`: it does not close, or open, on the longest way;
+    `MISSING_INDEX`: none within a turn and a quarter; `WRONG_TURN`: the index lies elsewhere from the switch than at
+    commissioning, so that it may be its neighbour; `TIME_OUT`: the axis does not get there. A switch that has moved by
+    whole turns of the motor is not told.
     """
     if state.phase >= 5:
         return state
-    state = HomingState(
-        state.phase, state.fault, state.samples + 1, state.mark, state.pulses, state.speed, state.offset
-    )
+    state = later(state)
     moved = abs(count - state.mark)
     if state.samples > params.samples:
         return homing_failed(state, 1)
     if state.phase == 0:
         if closed:
-            return homing_state(state, 1, count, pulses, params.leave_speed)
-        return homing_state(state, 2, count, pulses, params.search_speed)
+            return homing_state(state, 1, count, pulses, 0.0, params.leave_speed)
+        return homing_state(state, 2, count, pulses, 0.0, params.search_speed)
     if state.phase == 1:
         if not closed:
-            return homing_state(state, 2, count, pulses, params.search_speed)
+            return homing_state(state, 2, count, pulses, 0.0, params.search_speed)
         return homing_failed(state, 5) if moved > params.width else state
     if state.phase == 2:
         if closed:
-            return homing_state(state, 3, count, pulses, params.leave_speed)
+            return homing_state(state, 3, count, pulses, 0.0, params.leave_speed)
         return homing_failed(state, 4) if moved > params.travel else state
     if state.phase == 3:
         if not closed:
-            return homing_state(state, 4, count, pulses, params.leave_speed)
+            return homing_state(state, 4, count, pulses, 0.0, params.leave_speed)
         return homing_failed(state, 5) if moved > params.width else state
     if pulses != state.pulses:
         if abs(abs(index_count - state.mark) - params.distance) > params.tolerance:
             return homing_failed(state, 2)
-        return HomingState(5, 0, state.samples, count, pulses, 0.0, params.index_position - index_count)
+        return homing_done(state, params.index_position - index_count)
     return homing_failed(state, 3) if 4 * moved > 5 * params.counts_per_rev else state

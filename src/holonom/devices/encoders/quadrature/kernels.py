@@ -1,7 +1,8 @@
 """Compiled steps of a quadrature encoder: what its lines carry, and what a decoder makes of every edge.
 
-A quarter is a quarter of a line: the angle between two edges. Levels are bits: A is 1, B is 2, the index is 4. Forward,
-A leads: A, B = 00, 10, 11, 01. The index is high in the one quarter a turn that begins at angle 0, where A and B are low.
+A quarter is a quarter of a line: the angle between two edges. Levels are bits: A is 1, B is 2, the index is 4.
+Forward, A leads: A, B = 00, 10, 11, 01. The index is high in the one quarter a turn that begins at angle 0; A and B are
+low there.
 """
 
 from __future__ import annotations
@@ -32,32 +33,38 @@ class QuadratureParams(NamedTuple):
 
 
 class LineFaults(NamedTuple):
-    """What is wrong with the lines: levels at which A, B, index stick (-1: they do not), whether A and B are swapped,
-    shares of the edges that the counter loses and that a glitch on the other channel meets.
+    """What is wrong with the lines.
+
+    Levels at which A, B, index stick (-1: they do not), whether A and B are swapped, shares of the edges that the
+    counter loses and that a glitch on the other channel meets.
     """
 
     a: int = -1
     b: int = -1
-    index: int = -1
+    z: int = -1
     swapped: int = 0
     lost: float = 0.0
     glitches: float = 0.0
 
 
 HEALTHY = LineFaults()
+"""Lines without a fault."""
+
+FARTHEST = 1 << 24
+"""Edges that are followed one by one in a step; no shaft makes more, and an angle that is no number hangs no loop."""
 
 
 class QuadratureState(NamedTuple):
     """Shaft, decoder, counter.
 
     The shaft's quarter and its place within the turn; levels that the decoder saw last; the count; transitions that no
-    shaft makes; edges of A and of B; index pulses, and the count at the last one; parts of the next lost edge and glitch.
+    shaft makes; edges of A and of B; index pulses, and the count at the last one; parts of the next lost edge, glitch.
     """
 
     quarter: int
     place: int
     levels: int
-    count: int
+    counts: int
     illegal: int
     edges_a: int
     edges_b: int
@@ -84,27 +91,27 @@ def fault_levels(faults: LineFaults, levels: int) -> int:
         a = faults.a
     if faults.b >= 0:
         b = faults.b
-    if faults.index >= 0:
-        index = faults.index
+    if faults.z >= 0:
+        index = faults.z
     return a | (b << 1) | (index << 2)
 
 
 @loop
-def decode_levels(params: QuadratureParams, state: QuadratureState, levels: int, counts: bool) -> QuadratureState:
+def decode_levels(params: QuadratureParams, state: QuadratureState, levels: int, taken: bool) -> QuadratureState:
     """One reading of the lines: the decoder's state machine.
 
-    One channel changed: a quarter on or back, which is a count at each edge (4x), at each edge of A (2x), at the edge of A
-    while B is low (1x). Both changed: illegal, an edge was missed, nothing is counted. The rising index latches the
-    count. `counts`: whether the counter takes the pulse.
+    One channel changed: a quarter on or back, which is a count at each edge (4x), at each edge of A (2x), at the edge
+    of A while B is low (1x). Both changed: illegal, an edge was missed, nothing is counted. The rising index latches
+    the count. `taken`: whether the counter takes the pulse.
     """
     before, now = state.levels & 3, levels & 3
     first, second = before ^ (before >> 1), now ^ (now >> 1)
     moved = (second - first) & 3
-    count, illegal = state.count, state.illegal
+    count, illegal = state.counts, state.illegal
     every = (1 << params.halvings) - 1
     if moved == 2:
         illegal += 1
-    elif counts:
+    elif taken:
         if moved == 1 and first & every == 0:
             count += 1
         elif moved == 3 and second & every == 0:
@@ -135,9 +142,10 @@ def quadrature_step(
     the same to the bit.
     """
     quarter = math.floor(angle * params.quarters_per_rad)
-    wrong = (faults.a & faults.b & faults.index) != -1 or faults.swapped != 0
+    wrong = (faults.a & faults.b & faults.z) != -1 or faults.swapped != 0
     rough = faults.lost > 0.0 or faults.glitches > 0.0
-    if wrong or rough or state.levels != line_levels(state.quarter, state.place):
+    near = -FARTHEST < quarter - state.quarter < FARTHEST
+    if near and (wrong or rough or state.levels != line_levels(state.quarter, state.place)):
         return _follow(params, faults, state, quarter)
     if quarter == state.quarter:
         return state
@@ -149,20 +157,20 @@ def _jump(params: QuadratureParams, state: QuadratureState, quarter: int) -> Qua
     """All edges to a quarter at once, of healthy lines."""
     moved, per_rev, h = quarter - state.quarter, params.quarters_per_rev, params.halvings
     counted = (state.quarter - 1) >> h
-    count = state.count + ((quarter - 1) >> h) - counted
+    count = state.counts + ((quarter - 1) >> h) - counted
     place, pulses, index_count = state.place + moved, state.pulses, state.index_count
     if moved > 0 and place >= per_rev:
         turns = place // per_rev
         pulses += turns
         place -= turns * per_rev
-        index_count = state.count + ((quarter - place - 1) >> h) - counted
+        index_count = state.counts + ((quarter - place - 1) >> h) - counted
     elif moved < 0 and place <= 0:
         turns = (state.place - 1) // per_rev - (place - 1) // per_rev
         place -= (place // per_rev) * per_rev
         pulses += turns
         if turns > 0:
             to_index = per_rev - place if place > 0 else 0
-            index_count = state.count + ((quarter + to_index - 1) >> h) - counted
+            index_count = state.counts + ((quarter + to_index - 1) >> h) - counted
     return QuadratureState(
         quarter,
         place,
@@ -193,19 +201,19 @@ def _follow(params: QuadratureParams, faults: LineFaults, state: QuadratureState
             place = params.quarters_per_rev - 1
         levels = fault_levels(faults, line_levels(at, place))
         losing += faults.lost
-        counts = losing < 1.0
-        losing -= 0.0 if counts else 1.0
+        taken = losing < 1.0
+        losing -= 0.0 if taken else 1.0
         bouncing += faults.glitches
         if bouncing >= 1.0:
             bouncing -= 1.0
             other = 3 ^ ((state.levels ^ levels) & 3)  # the channel that has no edge now
-            state = decode_levels(params, state, levels ^ other, counts)
-        state = decode_levels(params, state, levels, counts)
+            state = decode_levels(params, state, levels ^ other, taken)
+        state = decode_levels(params, state, levels, taken)
     return QuadratureState(
         at,
         place,
         state.levels,
-        state.count,
+        state.counts,
         state.illegal,
         state.edges_a,
         state.edges_b,

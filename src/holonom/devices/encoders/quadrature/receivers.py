@@ -50,7 +50,7 @@ class LineFault(IntEnum):
 
 
 class ReceiverParams(NamedTuple):
-    """Middle of a pair, what the sum of its wires may be off by, least and most amplitude, analogue (1) or digital (0)."""
+    """Middle of a pair, what the sum of its wires may be off by, least and most amplitude, whether it is a sine (1)."""
 
     middle: float
     mismatch: float
@@ -81,13 +81,14 @@ class LineReceiver:
         check_fields(self, ModelError)
         if not self.least <= self.amplitude <= self.most:
             raise ModelError(
-                f"LineReceiver: amplitude is {self.amplitude:g}; it must lie within least {self.least:g} and most {self.most:g}"
+                f"LineReceiver: amplitude is {self.amplitude:g}; "
+                f"it must lie within least {self.least:g} and most {self.most:g}"
             )
         nearest = abs(self.pull - self.middle) - 0.5 * self.most if self.analogue else self._to_a_level()
         if nearest <= self.mismatch:
             raise ModelError(
-                f"LineReceiver: an open wire goes to {self.pull:g}, {max(nearest, 0.0):g} from where a healthy one may be; "
-                f"that must exceed the mismatch, {self.mismatch:g}"
+                f"LineReceiver: an open wire goes to {self.pull:g}, {max(nearest, 0.0):g} from where a healthy one may "
+                f"be; that must exceed the mismatch, {self.mismatch:g}"
             )
 
     def _to_a_level(self) -> float:
@@ -106,6 +107,7 @@ LINE_RECEIVERS: Mapping[str, LineReceiver] = MappingProxyType(
         "current_11ua": LineReceiver(8.0, 5.5, 3.5, 8.0, mismatch=1.5, pull=0.0, analogue=True),
     }
 )
+"""Receivers by kind of interface."""
 
 
 def line_receiver(kind: str) -> LineReceiver:
@@ -130,8 +132,8 @@ def drive_pair(params: ReceiverParams, difference: float) -> tuple[float, float]
 def receive_pair(params: ReceiverParams, plus: float, minus: float) -> tuple[float, int]:
     """Difference of a pair and its fault (`LineFault`) in this sample.
 
-    Broken: the sum of the wires is off, or not a number. Weak: two levels that differ too little or too much. Of a sine,
-    the amplitude shows in two channels only: `receive_pairs`.
+    Broken: the sum of the wires is off, or not a number. Weak: two levels that differ too little or too much. Of a
+    sine, the amplitude shows in two channels only: `receive_pairs`.
     """
     difference = plus - minus
     if not abs(plus + minus - 2.0 * params.middle) <= params.mismatch:

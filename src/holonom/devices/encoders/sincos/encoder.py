@@ -67,9 +67,12 @@ class SinCosEncoder:
         return float(np.abs(np.remainder(error + math.pi, 2.0 * math.pi) - math.pi).max()) / self.lines
 
     def resolution(self, bits: int) -> float:
-        """Smallest step (rad of the shaft) with converters of a number of bits over the whole swing, `2 / (2^bits lines)`."""
+        """Largest step (rad of the shaft) with converters of some bits over the swing: `sqrt(8) / (2^bits lines)`.
+
+        Where a signal passes zero a step of its converter is `2/2^bits` of phase; half-way between, both step at once.
+        """
         require("SinCosEncoder.resolution", "bits", bits, least=2)
-        return 2.0 / 2.0**bits / self.lines
+        return math.sqrt(8.0) / 2.0**bits / self.lines
 
 
 @loop

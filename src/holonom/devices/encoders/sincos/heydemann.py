@@ -18,7 +18,7 @@ WORST_CONDITION = 1e4
 
 
 class SinCosCorrection(NamedTuple):
-    """Offsets of sine and cosine (V), amplitude ratio of the sine over the cosine, phase by which the sine leads (rad)."""
+    """Offsets of sine and cosine (V), amplitude of the sine over that of the cosine, phase the sine leads by (rad)."""
 
     sine_offset: float = 0.0
     cosine_offset: float = 0.0

@@ -25,13 +25,13 @@ class MState(NamedTuple):
     """Speed, rad/s; count at the last sample."""
 
     speed: float
-    count: int
+    counts: int
 
 
 @loop
 def m_step(params: MParams, state: MState, reading: EdgeReading) -> MState:
     """One sample."""
-    return MState((reading.count - state.count) * params.unit, reading.count)
+    return MState((reading.counts - state.counts) * params.unit, reading.counts)
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ class MMethod:
 
     def start(self, reading: EdgeReading) -> MState:
         """State at a first reading, at rest."""
-        return MState(0.0, reading.count)
+        return MState(0.0, reading.counts)
 
     def resolution(self, speed: float) -> float:
         """Step (rad/s) between two values, `q / T_s`, at any speed (rad/s)."""

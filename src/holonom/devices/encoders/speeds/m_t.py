@@ -73,12 +73,16 @@ class MTMethod:
         return MTState(0.0, reading.edge, reading.stamp, reading.direction)
 
     def window(self, speed: float) -> float:
-        """Time (s) between the edges that a value is made of, at a speed (rad/s): the interval, or the period if that is longer."""
+        """Mean time (s) between the edges of a value, at a speed (rad/s): the interval, or a period that is longer."""
         return max(self.interval, math.inf if speed == 0.0 else self.edge_angle / abs(speed))
 
     def resolution(self, speed: float) -> float:
-        """What one tick changes (rad/s), `w / (f_s T)` with the window T, at a speed (rad/s)."""
-        return abs(speed) / (self.timer * self.window(speed))
+        """What one tick changes (rad/s), `w / (f_s T)` at a speed (rad/s).
+
+        T is the shortest time between the edges of a value: the whole periods in an interval, at least one.
+        """
+        period = self.edge_angle / max(abs(speed), 1e-300)
+        return abs(speed) / (self.timer * period * max(math.floor(self.interval / period), 1))
 
     def delay(self, speed: float) -> float:
         """Mean age (s) of the value, `T/2 + q/(2 w)` with the window T, at a speed (rad/s); infinite at rest."""

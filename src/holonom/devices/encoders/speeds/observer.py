@@ -33,7 +33,7 @@ class ObserverState(NamedTuple):
 @loop
 def observer_step(params: ObserverParams, state: ObserverState, reading: EdgeReading) -> ObserverState:
     """One sample."""
-    after = tracking_step(params.tracking, state.tracking, (reading.count + 0.5) * params.resolution, 0.0)
+    after = tracking_step(params.tracking, state.tracking, (reading.counts + 0.5) * params.resolution, 0.0)
     return ObserverState(after.speed, after)
 
 
@@ -61,13 +61,13 @@ class ObserverMethod:
 
     def start(self, reading: EdgeReading) -> ObserverState:
         """State at a first reading, at rest."""
-        return ObserverState(0.0, TrackingState((reading.count + 0.5) * self.params().resolution, 0.0, 0.0))
+        return ObserverState(0.0, TrackingState((reading.counts + 0.5) * self.params().resolution, 0.0, 0.0))
 
     def resolution(self, speed: float) -> float:
         """Most (rad/s) that one count moves the speed, at any speed.
 
-        `q b (3 x - x^2) e^-x` at `x = b t = (5 - sqrt(13))/2`, 0.800 q b, of a loop that is sampled fast; the sampled one's
-        response is stepped through.
+        `q b (3 x - x^2) e^-x` at `x = b t = (5 - sqrt(13))/2`, 0.800 q b, of a loop that is sampled fast; the response
+        of a sampled one is stepped through.
         """
         del speed
         p, state, most = self.params(), TrackingState(0.0, 0.0, 0.0), 0.0
@@ -80,9 +80,7 @@ class ObserverMethod:
             most = state.speed
 
     def delay(self, speed: float) -> float:
-        """What the speed is late (s) while it changes evenly: nothing, at any speed, once the load is found (about
-        `6 / bandwidth`).
-        """
+        """What the speed is late (s) while it changes evenly: nothing, once the load is found (`6 / bandwidth`)."""
         del speed
         return 0.0
 

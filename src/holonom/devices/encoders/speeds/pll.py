@@ -35,7 +35,7 @@ class PllState(NamedTuple):
 def pll_step(params: PllParams, state: PllState, reading: EdgeReading) -> PllState:
     """One sample: predict, correct by what the middle of the count differs."""
     predicted = state.angle + params.dt * state.speed
-    error = (reading.count + 0.5) * params.resolution - predicted
+    error = (reading.counts + 0.5) * params.resolution - predicted
     return PllState(state.speed + params.speed_gain * error, predicted + params.angle_gain * error)
 
 
@@ -66,7 +66,7 @@ class PllMethod:
 
     def start(self, reading: EdgeReading) -> PllState:
         """State at a first reading, at rest."""
-        return PllState(0.0, (reading.count + 0.5) * self.params().resolution)
+        return PllState(0.0, (reading.counts + 0.5) * self.params().resolution)
 
     def resolution(self, speed: float) -> float:
         """Most (rad/s) that one count moves the speed, at any speed: about `q bandwidth / e`.
@@ -79,7 +79,7 @@ class PllMethod:
         return p.resolution * p.speed_gain * (n + 1) * r**n
 
     def delay(self, speed: float) -> float:
-        """What the speed is late (s) while it changes evenly: `T_s ((1 + r)/(1 - r) - 1/2)`, about `2 / bandwidth`, at any speed."""
+        """What the speed is late (s) while it changes evenly: `T_s ((1 + r)/(1 - r) - 1/2)`, about `2 / bandwidth`."""
         del speed
         r = self._pole
         return self.interval * ((1.0 + r) / (1.0 - r) - 0.5)

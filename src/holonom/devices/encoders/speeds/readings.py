@@ -20,11 +20,13 @@ class CaptureParams(NamedTuple):
 
 
 class EdgeReading(NamedTuple):
-    """The count; of the last captured edge: its place (a whole number of edge angles), timer ticks when it came, ticks since
-    the one before it (0: unknown, or it turned back), direction (0: there was none); ticks now.
+    """What is latched at a sample.
+
+    The count; of the last captured edge: its place (a whole number of edge angles), timer ticks when it came, ticks
+    since the one before it (0: unknown, or it turned back), direction (0: there was none); ticks now.
     """
 
-    count: int
+    counts: int
     edge: int
     stamp: int
     period: int
@@ -54,12 +56,12 @@ def first_reading(params: CaptureParams, angle: float, now: int) -> EdgeReading:
 
 @loop
 def capture_edges(params: CaptureParams, last: EdgeReading, before: float, after: float, now: int) -> EdgeReading:
-    """Reading after the shaft went from an angle to another one (rad) between the last reading's time and `now` (ticks).
+    """Reading after the shaft went from an angle to another (rad) between the last reading's time and `now` (ticks).
 
     Within the step the shaft turns evenly, so that every edge has its time, down to a tick.
     """
     count, divider = math.floor(after * params.counts_per_rad), params.divider
-    first, final = last.count // divider, count // divider
+    first, final = last.counts // divider, count // divider
     if first == final:
         return EdgeReading(count, last.edge, last.stamp, last.period, last.direction, now)
     direction = 1 if final > first else -1

@@ -30,8 +30,11 @@ class TState(NamedTuple):
 
 @loop
 def period_speed(params: TParams, speed: float, reading: EdgeReading) -> float:
-    """What a speed (rad/s) can still be: with no edge for `n` ticks at most `k q f_s / n`, and 0 in the end."""
-    waited = reading.now - reading.stamp
+    """What a speed (rad/s) can still be: with no edge for `n` ticks at most `k q f_s / n`, and 0 in the end.
+
+    The edge came up to a tick after its stamp.
+    """
+    waited = reading.now - reading.stamp - 1
     if waited > params.longest:
         return 0.0
     if abs(speed) * waited > params.unit:
@@ -89,7 +92,8 @@ class TMethod:
         return speed * speed / (self.edge_angle * self.timer)
 
     def delay(self, speed: float) -> float:
-        """Mean age (s) of the value, `k q / w`, at a speed (rad/s): half of it the mean over the period, half the wait for the
-        next edge. Infinite at rest.
+        """Mean age (s) of the value, `k q / w`, at a speed (rad/s); infinite at rest.
+
+        Half of it is the mean over the period, half the wait for the next edge.
         """
         return math.inf if speed == 0.0 else self.edge_angle / abs(speed)
