@@ -15,7 +15,6 @@ from holonom.closed_loop.axis_faults import AxisFault, faults_of
 from holonom.closed_loop.axis_kernels import ROWS, Plant, run_axis
 from holonom.control import CascadeGains
 from holonom.control.servo.causes import Cause
-from holonom.devices import Friction
 from holonom.devices.encoders.quadrature.encoder import QuadratureEncoder
 from holonom.devices.power.brake import BrakeState
 from holonom.errors import OutOfLimits, ShapeError
@@ -97,71 +96,54 @@ def simulate_axis(
 
     Parameters
     ----------
-    axis
-        What is moved.
-    gains
-        Of `design_cascade`; their sample times are those of the simulation.
+    axis, gains
+        What is moved, and gains of `design_cascade`; their sample times are those of the simulation.
     reference
-        A sample each of the position loop: (n,) or (3, n) with its first two derivatives, which are fed forward.
-        Joint angles (rad), speeds (rad/s) or currents (A), by `loop`.
-    loop
-        The outermost loop.
-    load_torque
-        Torque (N m) on the joint against the positive direction, a number or (n,), beside that of `axis.load`.
-    start
-        Joint angle (rad) at which it stands at first.
-    feed_forward
-        Whether the derivatives of the reference act.
-    drive
-        How the drive starts, what it supervises, how it stops.
-    known
-        The axis that its controller believes in, where it is another one: its sheets, not what they are out by.
-    faults
-        What breaks.
-    stop
-        Time (s) and category (0, 1, 2) of a stop that is asked for.
+        (n,) or (3, n) with two derivatives, a sample each of the position loop: rad, rad/s of the joint or A.
+    loop, feed_forward
+        The outermost loop; whether derivatives of the reference and friction are fed forward.
+    load_torque, start
+        On the joint against the positive direction, N m, a number or (n,); joint angle (rad) where it stands at first.
+    drive, known
+        How the drive starts, supervises, stops; the axis that it believes in where that is another one.
+    faults, stop
+        What breaks; time (s) and category (0, 1, 2) of a stop that is asked for.
 
     Raises
     ------
     ShapeError
         A reference or a load of another shape, or not finite.
     OutOfLimits
-        A loop that there is not; sample times of which one is no multiple of the one inside; an encoder whose counts per
-        turn are no multiple of four; a stop of another category; faults that exclude each other.
+        A loop that there is not, sample times that are no multiples, counts per turn that are no multiple of four.
     """
     if loop not in OUTER:
         raise OutOfLimits(f"simulate_axis: loop is {loop!r}; it must be one of {', '.join(OUTER)}")
     given = _reference(reference)
-    n, ratio, dt, tick = given.shape[1], axis.gear.ratio, gains.times.current, gains.times.position
-    loads = _loads(axis, load_torque, n)
+    n, ratio, dt, faults = given.shape[1], axis.gear.ratio, gains.times.current, tuple(faults)
     at_motor = given if loop == "current" else ratio * given
     if not feed_forward or loop == "current":
         at_motor = np.stack([at_motor[0], np.zeros(n), np.zeros(n)])
     believed = known if known is not None else axis
-    friction = believed.known_friction if feed_forward else Friction()
-    params = drive_params(believed.servo_axis(), friction, gains, loop, drive)
-    faults = tuple(faults)
-    encoder = _encoder(axis)
-    brake = drive.brake.params(dt)
-    for fault in faults:
-        if fault.kind == "wrong_counts":
-            encoder = QuadratureEncoder(round(fault.value / 4))
-        if fault.kind == "brake_slips":
-            brake = brake._replace(torque=fault.value)
-    plant = Plant(axis.plant(dt), encoder.params(), brake, faults_of(faults, axis.motor.max_voltage, dt))
-    state, shaft = axis.at(start), encoder.start(ratio * start)
-    own = drive_start(params, drive, math.floor(ratio * start / axis.encoder.resolution))
+    params = drive_params(believed.servo_axis(), believed.known_friction, gains, loop, drive, feed_forward)
+    plant = _plant(axis, drive, faults, dt)
     asked_step, category = _stop(stop, dt)
-    ticks = n + (round(LONGEST_STOP / tick) if stop is not None or faults or drive.start == "off" else 0)
+    goes_on = stop is not None or faults or drive.start == "off"
+    ticks = n + (round(LONGEST_STOP / gains.times.position) if goes_on else 0)
     log, events = np.empty((ROWS, ticks)), np.zeros((16, 2), dtype=np.int64)
     many = run_axis(
-        plant, params, state, shaft, BrakeState(1 if drive.start == "off" else 0, 0), own,
-        np.ascontiguousarray(at_motor), loads, asked_step, category, log, events,
+        plant, params, axis.at(start), QuadratureEncoder(plant.encoder.quarters_per_rev // 4).start(ratio * start),
+        BrakeState(1 if drive.start == "off" else 0, 0),
+        drive_start(params, drive, math.floor(ratio * start / axis.encoder.resolution)),
+        np.ascontiguousarray(at_motor), _loads(axis, load_torque, n), asked_step, category, log, events,
     )  # fmt: skip
-    asked = np.interp(log[11], np.arange(n), given[0])
+    return _run(log, given[0], ratio, gains.times.position, dt, events[:many])
+
+
+def _run(log: Array, reference: Array, ratio: float, tick: float, dt: float, events: NDArray[np.int64]) -> AxisRun:
+    """What the log says, at the joint."""
     return AxisRun(
-        time=tick * np.arange(ticks, dtype=float),
-        reference=asked,
+        time=tick * np.arange(log.shape[1], dtype=float),
+        reference=np.interp(log[11], np.arange(len(reference)), reference),
         position=log[0] / ratio,
         speed=log[2] / ratio,
         motor_position=log[1],
@@ -175,9 +157,20 @@ def simulate_axis(
         phase=log[10].astype(np.int64),
         events=tuple(
             AxisEvent(step * dt, Cause(code), Cause(code).text, e == 0)
-            for e, (step, code) in enumerate(events[:many].tolist())
+            for e, (step, code) in enumerate(events.tolist())
         ),
     )
+
+
+def _plant(axis: Axis, drive: DriveSettings, faults: tuple[AxisFault, ...], dt: float) -> Plant:
+    """Params of the plant with what is wrong with it from the start."""
+    encoder, brake = _encoder(axis), drive.brake.params(dt)
+    for fault in faults:
+        if fault.kind == "wrong_counts":
+            encoder = QuadratureEncoder(round(fault.value / 4))
+        if fault.kind == "brake_slips":
+            brake = brake._replace(torque=fault.value)
+    return Plant(axis.plant(dt), encoder.params(), brake, faults_of(faults, axis.motor.max_voltage, dt))
 
 
 def _encoder(axis: Axis) -> QuadratureEncoder:

@@ -32,6 +32,7 @@ class AxisFault:
     index_stuck           at level `size` 0 or 1
     bad_frames            a share `size` of an absolute encoder's frames has a wrong checksum, all unless given
     phase_lost            the winding is open
+    blocked               the shaft does not turn any more
     current_offset        the shunt's zero is off by `size` A; from the start
     supply                the supply is `size` V; from the start
     potentiometer         off by `size` rad of the motor; from the start
@@ -99,6 +100,7 @@ AXIS_FAULTS: Mapping[str, Callable[[AxisFault], dict[str, Any]]] = MappingProxyT
         "index_stuck": lambda f: {"lines": line_faults(index=_level(f))},
         "bad_frames": lambda f: {"bad_frames": f.value},
         "phase_lost": lambda f: {"phase_lost": 1},
+        "blocked": lambda f: {"blocked": 1},
         "current_offset": lambda f: {"current_zero": f.value},
         "supply": lambda f: {"supply": f.value},
         "potentiometer": lambda f: {"potentiometer": f.value},
@@ -117,7 +119,7 @@ def faults_of(faults: Iterable[AxisFault], supply: float, dt: float) -> AxisFaul
         Two faults at different times, or two of one kind.
     """
     healthy: dict[str, Any] = {
-        "step": NEVER, "lines": HEALTHY, "receiver": 0, "bad_frames": 0.0, "phase_lost": 0,
+        "step": NEVER, "lines": HEALTHY, "receiver": 0, "bad_frames": 0.0, "phase_lost": 0, "blocked": 0,
         "current_zero": 0.0, "supply": supply, "potentiometer": 0.0,
     }  # fmt: skip
     changed: dict[str, Any] = {}

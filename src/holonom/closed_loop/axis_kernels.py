@@ -22,6 +22,7 @@ from holonom.trace.code.loops import loop
 
 __all__ = ["ROWS", "AxisFaults", "Plant", "run_axis"]
 
+JAMMED = 1e9  # N m, of a shaft that nothing turns
 ROWS = 12
 """Rows of the log."""
 
@@ -29,8 +30,8 @@ ROWS = 12
 class AxisFaults(NamedTuple):
     """What breaks at a step, and what is wrong from the start.
 
-    At the step: the encoder's lines, its receivers (1), a share of its frames, a phase of the motor (1). From the start:
-    the shunt's zero, A; the supply, V; the potentiometer, rad.
+    At the step: the encoder's lines, its receivers (1), a share of its frames, a phase of the motor (1),
+    the shaft (1). From the start: the shunt's zero, A; the supply, V; the potentiometer, rad.
     """
 
     step: int
@@ -38,6 +39,7 @@ class AxisFaults(NamedTuple):
     receiver: int
     bad_frames: float
     phase_lost: int
+    blocked: int
     current_zero: float
     supply: float
     potentiometer: float
@@ -74,46 +76,54 @@ def run_axis(
     (e, 2) take each cause that is found, with its step. Return how many there are.
     """
     k = found = many = bad = 0
-    count = shaft.count
-    faults = plant.faults
-    lines, frames = HEALTHY, 0.0
+    count, lines, frames, faults = shaft.counts, HEALTHY, 0.0, plant.faults
     for tick in range(log.shape[1]):
-        heat = 0.0
-        log[0, tick], log[1, tick] = state.load_angle, state.angle
-        log[2, tick], log[3, tick] = state.load_speed, state.speed
-        log[4, tick], log[5, tick] = state.current, own.servo.voltage if own.power == 1 else 0.0
-        log[6, tick], log[7, tick], log[9, tick] = (
-            own.servo.current_reference, own.servo.speed_reference, own.servo.rate,
-        )  # fmt: skip
-        log[10, tick], log[11, tick] = own.phase, own.place
-        load = loads[min(tick, loads.shape[0] - 1)]
+        _note(log[:, tick], state, own)
+        heat, load = 0.0, loads[min(tick, loads.shape[0] - 1)]
         for _ in range(drive.servo.position_samples):
             broken = k >= faults.step
-            if k == faults.step:
-                lines = faults.lines
+            lines = faults.lines if broken else HEALTHY
             shaft = quadrature_step(plant.encoder, lines, shaft, state.angle)
-            if k % drive.servo.speed_samples == 0:
+            if (
+                k % drive.servo.speed_samples == 0
+            ):  # a frame each sample of the speed loop; a wrong one keeps the last count
                 frames += faults.bad_frames if broken else 0.0
                 bad = 1 if frames >= 1.0 else 0
                 frames -= bad
-                count = count if bad == 1 else shaft.count
+                count = count if bad == 1 else shaft.counts
             seen = AxisSignals(
-                count, shaft.edges_a, shaft.edges_b, shaft.pulses, shaft.index_count,
-                faults.receiver if broken else 0, bad, state.current + faults.current_zero, faults.supply,
-                state.angle + faults.potentiometer,
+                count, shaft.edges_a, shaft.edges_b, shaft.pulses, shaft.index_count, faults.receiver if broken else 0,
+                bad, state.current + faults.current_zero, faults.supply, state.angle + faults.potentiometer,
             )  # fmt: skip
             own = drive_step(drive, own, k, seen, reference, stop_category if k == stop_step else NONE)
             brake = brake_step(plant.brake, brake, own.brake)
             conducts = own.power == 1 and not (broken and faults.phase_lost == 1)
             holds = plant.brake.torque if brake.closed == 1 else 0.0
+            holds = JAMMED if broken and faults.blocked == 1 else holds
             state = axis_step(plant.axis, state, own.servo.voltage, load, holds, conducts)
             heat += state.current * state.current
             if own.found != found:
-                for code in range(1, 32):
-                    if ((own.found ^ found) >> code) & 1 and many < events.shape[0]:
-                        events[many, 0], events[many, 1] = k, code
-                        many += 1
+                many = _tell(events, many, k, own.found ^ found)
                 found = own.found
             k += 1
         log[8, tick] = heat / drive.servo.position_samples
+    return many
+
+
+@loop(error_model="numpy", forceinline=True)
+def _note(row: Array, state: AxisState, own: AxisDriveState) -> None:
+    """A column of the log; the mean of the squared current follows at its end."""
+    row[0], row[1], row[2], row[3] = state.load_angle, state.angle, state.load_speed, state.speed
+    row[4], row[5] = state.current, own.servo.voltage if own.power == 1 else 0.0
+    row[6], row[7], row[9] = own.servo.current_reference, own.servo.speed_reference, own.servo.rate
+    row[10], row[11] = own.phase, own.place
+
+
+@loop(error_model="numpy", forceinline=True)
+def _tell(events: NDArray[np.int64], many: int, step: int, found: int) -> int:
+    """Write causes, a bit each, with their step; return how many there are now."""
+    for code in range(1, 32):
+        if (found >> code) & 1 and many < events.shape[0]:
+            events[many, 0], events[many, 1] = step, code
+            many += 1
     return many

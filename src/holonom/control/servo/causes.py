@@ -25,6 +25,7 @@ class Cause(IntEnum):
     EDGES_LOST = 17
     INDEX_MISSING = 18
     PHASE_LOST = 19
+    BLOCKED = 20
     CURRENT_OFFSET = 21
     SUPPLY = 22
     POSITION_UNKNOWN = 23
@@ -52,6 +53,7 @@ _WORDS = {
     Cause.EDGES_LOST: "edges of the encoder are lost: the index came at another count",
     Cause.INDEX_MISSING: "more than a turn without the index",
     Cause.PHASE_LOST: "the winding carries no current: a phase is open",
+    Cause.BLOCKED: "the motor pushes and nothing turns: the axis is blocked",
     Cause.CURRENT_OFFSET: "self-check: the current sensor's zero is off",
     Cause.SUPPLY: "self-check: the supply is outside its range",
     Cause.POSITION_UNKNOWN: "self-check: counter and potentiometer differ",

@@ -11,6 +11,7 @@ from typing import NamedTuple
 from holonom.trace.code.loops import loop
 
 __all__ = [
+    "BLOCKED",
     "CHANNEL",
     "CHECKSUM",
     "COUNTS",
@@ -20,28 +21,34 @@ __all__ = [
     "LINE",
     "SWAPPED",
     "UNSURE",
+    "WATCH_START",
     "WINDING",
     "DriveSeen",
     "DriveWatchParams",
     "DriveWatchState",
+    "unsuspecting",
     "watch_drive",
 ]
 
-UNSURE, LINE, CHECKSUM, CHANNEL, DEAD_ENCODER, SWAPPED, COUNTS, EDGES, INDEX, WINDING = 10, 11, 12, 13, 14, 15, 16, 17, 18, 19
+UNSURE, LINE, CHECKSUM, CHANNEL, DEAD_ENCODER, SWAPPED = 10, 11, 12, 13, 14, 15
+COUNTS, EDGES, INDEX, WINDING, BLOCKED = 16, 17, 18, 19, 20
 """Causes beside those of `axis_violation`: see `Cause`."""
 FILTER = 0.3  # of the difference of both speeds, each look
+INDEX_WAITS = 6  # looks until a wrong index is believed
 NAMING = 3  # looks until it has a name
+PUSHES = 0.27  # part of the greatest current, beyond the usual one, that turns any axis
+STALLED = 20.0  # counts that the model has an axis turn without an edge
 FOLLOWS = 0.2  # part of the greatest current from which on the resistance is followed
 CLEAR = 0.03  # part of the resistance's voltage that the back-emf's error may be
-FOLLOWING = 2e-3  # part of it, each look
+FOLLOWING = 2.5e-5  # part of it, each look: as fast as a winding gets warm
 LEAST_RESISTANCE, MOST_RESISTANCE = 0.7, 1.6  # parts of the known one: tolerance, and a hot winding
 LEAST_PART = 0.02  # of the greatest current: less is nothing
 CARRIES = 0.1  # part of the asked current that a winding must carry
 NO_CURRENT = 2e-3  # of the greatest current: an open winding carries less
 SATURATED = 0.98  # part of the supply, at which a current need not follow
 OTHER = 0.3  # part of the speed that its witnesses differ by where the encoder is another one
-CERTAIN = 2.0  # times what two speeds may differ by: once is enough
-DEAD = 0.2  # part of the other speed, below which an encoder counts nothing
+CERTAIN = 1.4  # times what two speeds may differ by: once is enough
+DEAD = 0.15  # part of the other speed, below which an encoder counts nothing
 
 
 class DriveWatchParams(NamedTuple):
@@ -71,6 +78,8 @@ class DriveWatchParams(NamedTuple):
         Of the supply, V.
     bad_frames
         Frames in a row with a wrong checksum that are no accident.
+    acceleration_per_ampere, friction_current
+        k_t / J, rad/s2 per A, and Coulomb friction over k_t, A, as they are known.
     """
 
     dt: float
@@ -88,6 +97,8 @@ class DriveWatchParams(NamedTuple):
     max_current: float
     max_voltage: float
     bad_frames: int
+    acceleration_per_ampere: float
+    friction_current: float
 
 
 class DriveSeen(NamedTuple):
@@ -95,7 +106,7 @@ class DriveSeen(NamedTuple):
 
     The count and edges of both channels since power-on; what the index and the receivers say (0: nothing wrong);
     whether this frame's checksum was wrong; means of voltage and current since the last look; the current now; the
-    current that is asked for.
+    current that is asked for; the one that the load usually takes.
     """
 
     counts: int
@@ -108,6 +119,7 @@ class DriveSeen(NamedTuple):
     mean_current: float
     current: float
     asked_current: float
+    usual_current: float
 
 
 class DriveWatchState(NamedTuple):
@@ -129,11 +141,13 @@ class DriveWatchState(NamedTuple):
         Filtered sizes of the current that is asked for and of the one that flows, A.
     alone_a, alone_b, looks
         Edges of one channel since the other one had any; looks since when.
-    differs, empty, frames
-        Evidence that speeds differ, that a winding is open, that frames are wrong.
+    differs, empty, frames, waits
+        Evidence that speeds differ, that a winding is open, that frames or the index are wrong.
+    pace, still_speed, still_travel
+        Speed at the last edges; how fast and how far its current would have turned a shaft since, by the model.
     doubts, doubted_speed, doubted_emf, flowing
-        Looks since it was certain that something is wrong, sums of both speeds over them, whether there was any current:
-        they tell what it is.
+        Looks since it was certain that something is wrong, sums of both speeds over them, whether there was any
+        current: they tell what it is.
     cause
         What this look found: a code, 0 for nothing, `UNSURE` while it has no name yet.
     """
@@ -156,11 +170,21 @@ class DriveWatchState(NamedTuple):
     differs: int
     empty: int
     frames: int
+    waits: int
+    pace: float
+    still_speed: float
+    still_travel: float
     doubts: int
     doubted_speed: float
     doubted_emf: float
     flowing: bool
     cause: int
+
+
+WATCH_START = DriveWatchState(
+    0, 0, 0, 0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0, 0, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0, 0.0, 0.0, False, 0
+)
+"""Of a drive that was never looked at; its resistance is to be put in."""
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -193,10 +217,17 @@ def watch_drive(params: DriveWatchParams, state: DriveWatchState, seen: DriveSee
     alone_a = 0 if new_b > 0 or looks > p.window else s.alone_a + new_a
     alone_b = 0 if new_a > 0 or looks > p.window else s.alone_b + new_b
     looks = 0 if (new_a > 0 and new_b > 0) or looks > p.window else looks
+    pushes = abs(seen.mean_current - seen.usual_current) - 2.0 * p.friction_current - PUSHES * p.max_current
+    moves = new_a + new_b > 0 or not good
+    still_speed = 0.0 if moves else s.still_speed + p.dt * p.acceleration_per_ampere * max(pushes, 0.0)
+    still_travel = 0.0 if moves else s.still_travel + p.dt * still_speed
+    pace = s.pace + FILTER * (abs(speed) - s.pace) if moves else s.pace
+    stalled = still_travel > STALLED * p.resolution and pace > p.least_speed
     asked = s.asked + FILTER * (abs(seen.asked_current) - s.asked)
     carried = s.carried + FILTER * (size - s.carried)
     empty = _emptier(p, s.empty, bare, asked, carried, (driving - p.back_emf * speed) / resistance, speed, seen.voltage)
     frames = 0 if good else s.frames + 1
+    waits = s.waits + 1 if seen.index_fault != 0 else 0
     doubts, doubted_speed, doubted_emf, cause, flowing = s.doubts, s.doubted_speed, s.doubted_emf, 0, s.flowing
     if seen.line_fault != 0:
         cause = LINE
@@ -211,18 +242,18 @@ def watch_drive(params: DriveWatchParams, state: DriveWatchState, seen: DriveSee
         flowing = flowing or not bare
         if doubts > NAMING:
             cause = _named(alone_a, alone_b, doubted_speed, doubted_emf) if flowing else WINDING
-    elif differs >= p.patience:
+            if cause == DEAD_ENCODER and abs(doubted_emf) < NAMING * p.least_speed:
+                cause = BLOCKED
+    elif differs >= p.patience or stalled:
         doubts, doubted_speed, doubted_emf, cause, flowing = 1, 0.0, 0.0, UNSURE, False
-    elif seen.index_fault == 1:
-        cause = EDGES
-    elif seen.index_fault == 2:
-        cause = COUNTS if abs(off) > OTHER * abs(speed) else INDEX
-    elif seen.index_fault == 3:
-        cause = COUNTS
+    elif waits > INDEX_WAITS:  # what else an index that is wrong may come from has shown itself by then
+        cause = EDGES if seen.index_fault == 1 else COUNTS
+        if seen.index_fault == 2 and abs(off) <= OTHER * abs(speed):
+            cause = INDEX
     return DriveWatchState(
         seen.counts if good else s.counts, 0 if good else span, seen.edges_a, seen.edges_b, seen.current, resistance,
-        speed, emf, off, allowed, asked, carried, alone_a, alone_b, looks, differs, empty, frames,
-        doubts, doubted_speed, doubted_emf, flowing, cause,
+        speed, emf, off, allowed, asked, carried, alone_a, alone_b, looks, differs, empty, frames, waits,
+        pace, still_speed, still_travel, doubts, doubted_speed, doubted_emf, flowing, cause,
     )  # fmt: skip
 
 
@@ -255,8 +286,16 @@ def _emptier(
 @loop(error_model="numpy", forceinline=True)
 def _named(alone_a: int, alone_b: int, speed: float, emf: float) -> int:
     """What is wrong with an encoder that does not agree with the back-emf."""
-    if alone_a > 1 or alone_b > 1:
-        return CHANNEL
     if abs(speed) < DEAD * abs(emf):
-        return DEAD_ENCODER
+        return CHANNEL if alone_a > 1 or alone_b > 1 else DEAD_ENCODER
     return SWAPPED if speed * emf < 0.0 else COUNTS
+
+
+@loop(error_model="numpy", forceinline=True)
+def unsuspecting(state: DriveWatchState, resistance: float) -> DriveWatchState:
+    """The state without any evidence, with a resistance (ohm) that was measured."""
+    s = state
+    return DriveWatchState(
+        s.counts, s.span, s.edges_a, s.edges_b, s.current, resistance, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+        0, 0, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0, 0, 0.0, 0.0, False, 0,
+    )  # fmt: skip

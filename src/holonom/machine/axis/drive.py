@@ -8,7 +8,7 @@ from typing import Literal
 
 from holonom.control import CascadeGains, ServoAxis
 from holonom.control.servo.kernels import LimitParams
-from holonom.control.servo.watch_kernels import DriveWatchParams, DriveWatchState
+from holonom.control.servo.watch_kernels import WATCH_START, DriveWatchParams
 from holonom.devices import Encoder, Friction, tracking_params
 from holonom.devices.encoders.counters.index import INDEX_START, IndexCorrection
 from holonom.devices.power.brake import Brake
@@ -41,6 +41,7 @@ INDUCTANCE_ERROR = 0.12  # part by which an inductance may
 PATIENCE = 3  # looks
 EDGES, WINDOW = 8, 10  # edges of one channel alone within so many looks
 BAD_FRAMES = 3
+ZERO_TIME, TORQUE_TIME = 0.01, 0.025  # s of the self-check: the shunt's zero, the test torque each way
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +55,7 @@ class DriveSettings:
     """
 
     start: Literal["powered", "off"] = "powered"
-    """Whether it holds the axis from the first sample, its checks long done, or begins with its self-check and brake."""
+    """Whether it holds the axis from the first sample, its checks long done, or begins with self-check and brake."""
     supervised: bool = True
     prefilter: bool = True
     """Whether a reference of the speed loop passes 1/(1 + s Ti), which takes the overshoot of its zero."""
@@ -86,9 +87,10 @@ class DriveSettings:
 
 
 def drive_params(
-    axis: ServoAxis, friction: Friction, gains: CascadeGains, loop: str, settings: DriveSettings
-) -> AxisDriveParams:
-    """Params of `drive_step` for an axis, its friction at the motor as it is known, and gains.
+    axis: ServoAxis, friction: Friction, gains: CascadeGains, loop: str, settings: DriveSettings,
+    feed_forward: bool = True,
+) -> AxisDriveParams:  # fmt: skip
+    """Params of `drive_step` for an axis, its friction at the motor as it is known (fed forward or not), and gains.
 
     Raises
     ------
@@ -96,11 +98,36 @@ def drive_params(
         Sample times of which one is no multiple of the one inside.
     """
     s, times = settings, gains.times
-    dt = times.current
-    inner = _multiple("speed", times.speed, dt)
     encoder = Encoder(round(axis.counts_per_rev))
+    limits = LimitParams(s.lower, s.upper, s.trip * axis.max_speed, 1.5 * axis.max_current, s.following_error)
+    stop = StopParams(
+        slowing=times.position / s.stop_time,
+        samples=1.0 / times.position,
+        opening=round(s.brake.release / times.current),
+        closing=round(s.brake.engage / times.current),
+        settling=round(s.settling / times.current),
+        emf_gain=gains.speed.gain,
+        slow=2.0 * LEAST_SPEED * axis.max_voltage / axis.back_emf_constant,
+    )
+    return AxisDriveParams(
+        _servo_params(axis, friction if feed_forward else Friction(), gains, loop, s.prefilter, encoder),
+        _watch_params(axis, friction, times.speed, s.resistance_error, encoder),
+        IndexCorrection(encoder.counts_per_rev, each_crossing=False).params(),
+        limits,
+        _check_params(axis, times.current, s, encoder),
+        stop,
+        s.hold / axis.torque_constant,
+        s.supervised,
+    )
+
+
+def _servo_params(
+    axis: ServoAxis, friction: Friction, gains: CascadeGains, loop: str, prefilter: bool, encoder: Encoder
+) -> AxisServoParams:
+    times = gains.times
+    inner = _multiple("speed", times.speed, times.current)
     coulomb = 0.5 * (friction.coulomb_positive + friction.coulomb_negative)
-    servo = AxisServoParams(
+    return AxisServoParams(
         encoder=encoder.params(),
         tracking=tracking_params(gains.observer_bandwidth, times.speed),
         current=gains.current,
@@ -112,17 +139,22 @@ def drive_params(
         speed_samples=inner,
         position_samples=inner * _multiple("position", times.position, times.speed),
         outer=OUTER[loop],
-        following=gains.speed.integral_gain / gains.speed.gain if s.prefilter else 1.0,
+        following=gains.speed.integral_gain / gains.speed.gain if prefilter else 1.0,
     )
-    no_load = axis.max_voltage / axis.back_emf_constant
-    watch = DriveWatchParams(
-        dt=times.speed,
+
+
+def _watch_params(
+    axis: ServoAxis, friction: Friction, dt: float, resistance_error: float, encoder: Encoder
+) -> DriveWatchParams:
+    coulomb = max(friction.coulomb_positive, friction.coulomb_negative)
+    return DriveWatchParams(
+        dt=dt,
         resolution=encoder.resolution,
         inductance=axis.inductance,
         back_emf=axis.back_emf_constant,
         resistance=axis.resistance,
-        least_speed=LEAST_SPEED * no_load,
-        resistance_error=s.resistance_error,
+        least_speed=LEAST_SPEED * axis.max_voltage / axis.back_emf_constant,
+        resistance_error=resistance_error,
         inductance_error=INDUCTANCE_ERROR,
         constant_error=CONSTANT_ERROR,
         patience=PATIENCE,
@@ -131,12 +163,16 @@ def drive_params(
         max_current=axis.max_current,
         max_voltage=axis.max_voltage,
         bad_frames=BAD_FRAMES,
+        acceleration_per_ampere=axis.torque_constant / axis.inertia,
+        friction_current=coulomb / axis.torque_constant,
     )
-    limits = LimitParams(s.lower, s.upper, s.trip * axis.max_speed, 1.5 * axis.max_current, s.following_error)
-    zero = round(0.01 / dt)
-    check = CheckParams(
-        zero_steps=zero,
-        torque_steps=2 * round(0.025 / dt),
+
+
+def _check_params(axis: ServoAxis, dt: float, settings: DriveSettings, encoder: Encoder) -> CheckParams:
+    s = settings
+    return CheckParams(
+        zero_steps=round(ZERO_TIME / dt),
+        torque_steps=2 * round(TORQUE_TIME / dt),
         greatest_zero=s.greatest_zero * axis.max_current,
         least_supply=(1.0 - s.supply_error) * axis.max_voltage,
         most_supply=(1.0 + s.supply_error) * axis.max_voltage,
@@ -144,19 +180,6 @@ def drive_params(
         turns=math.ceil(s.brake_turns / encoder.resolution),
         apart=s.apart,
     )
-    stop = StopParams(
-        slowing=times.position / s.stop_time,
-        samples=1.0 / times.position,
-        opening=round(s.brake.release / dt),
-        closing=round(s.brake.engage / dt),
-        settling=round(s.settling / dt),
-        emf_gain=gains.speed.gain,
-        slow=2.0 * LEAST_SPEED * no_load,
-    )
-    return AxisDriveParams(
-        servo, watch, IndexCorrection(encoder.counts_per_rev, each_crossing=False).params(), limits, check, stop,
-        s.hold / axis.torque_constant, s.supervised,
-    )  # fmt: skip
 
 
 def drive_start(params: AxisDriveParams, settings: DriveSettings, count: int) -> AxisDriveState:
@@ -166,10 +189,28 @@ def drive_start(params: AxisDriveParams, settings: DriveSettings, count: int) ->
     phase = CHECKING
     if settings.start == "powered":
         servo, phase = powered(servo, params.hold), RUNNING
-    watch = DriveWatchState(0, 0, 0, 0, 0.0, params.watch.resistance, *([0.0] * 6), *([0] * 7), 0.0, 0.0, False, 0)
+    watch = WATCH_START._replace(resistance=params.watch.resistance)
     on = 1 if phase == RUNNING else 0
     return AxisDriveState(
-        servo, watch, INDEX_START, phase, 0, 0.0, float(on), servo.angle, 0, 0.0, 0.0, 0.0, 0.0, 0, 1 - on, on, 0, 0
+        servo,
+        watch,
+        INDEX_START,
+        phase,
+        0,
+        0.0,
+        float(on),
+        servo.angle,
+        0,
+        0.0,
+        0.0,
+        params.hold,
+        0.0,
+        0.0,
+        0,
+        1 - on,
+        on,
+        0,
+        0,
     )
 
 

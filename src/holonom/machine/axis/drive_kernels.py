@@ -22,6 +22,7 @@ from holonom.control.servo.watch_kernels import (
     DriveSeen,
     DriveWatchParams,
     DriveWatchState,
+    unsuspecting,
     watch_drive,
 )
 from holonom.devices.encoders.counters.index import IndexParams, IndexState, index_step
@@ -62,12 +63,15 @@ SPEED, CURRENT = 5, 6
 NONE = -1
 """No stop is asked for."""
 OTHER_COUNTS = 100  # of a turn, one part that is missing: no lost edges, another encoder
+USUAL = 0.02  # of the usual current, each look
 CONDUCTS = 0.2  # part by which the test current may be off
 
 
 class AxisSignals(NamedTuple):
-    """What the drive reads: count, edges of A and B, index pulses and the count at the last one since power-on; the
-    receivers' word and the frame's checksum (0: well); A; the supply, V; the potentiometer, rad at the motor.
+    """What the drive reads.
+
+    Count, edges of A and B, index pulses and the count at the last one since power-on; the receivers' word and the
+    frame's checksum (0: well); A; the supply, V; the potentiometer, rad at the motor.
     """
 
     counts: int
@@ -83,8 +87,10 @@ class AxisSignals(NamedTuple):
 
 
 class CheckParams(NamedTuple):
-    """Self-check: steps of the current's zero and of the test torque; greatest zero, A; supply, V; test current, A; counts
-    that a shaft may turn against its brake; what counter and potentiometer may differ by, rad.
+    """Self-check.
+
+    Steps of the current's zero and of the test torque; greatest zero, A; supply, V; test current, A; counts that a
+    shaft may turn against its brake; what counter and potentiometer may differ by, rad.
     """
 
     zero_steps: int
@@ -100,9 +106,9 @@ class CheckParams(NamedTuple):
 class StopParams(NamedTuple):
     """Stops.
 
-    Part by which the path slows down each position sample, and how many there are in a second; steps until the brake has
-    opened, until it has closed, and until an axis has settled; A per rad/s of the brake by back-emf, speed (rad/s) below
-    which it has ended.
+    Part by which the path slows down each position sample, and how many there are in a second; steps until the brake
+    has opened, until it has closed, and until an axis has settled; A per rad/s of the brake by back-emf, speed (rad/s)
+    below which it has ended.
     """
 
     slowing: float
@@ -128,9 +134,26 @@ class AxisDriveParams(NamedTuple):
 
 
 class AxisDriveState(NamedTuple):
-    """Loops, watch, index. Phase, and for how many steps. Place on the path (samples), how fast it is gone along, the
-    angle that is held, the category of its stop. Sums since the last look, the current's zero, the sum and the count of a
-    check. Brake (1: told to close) and power (1: on). All that was found, a bit for each cause, and the first.
+    """State of a drive.
+
+    Attributes
+    ----------
+    servo, watch, index_state
+        Of its parts.
+    phase, steps
+        Where it is between power-on and power-off, and for how many steps.
+    place, rate, held, category
+        On the path: samples, how fast it is gone along, angle that is held before it (rad); category of its stop.
+    voltages, currents
+        Sums since the last look.
+    usual, zero
+        The current that the load usually takes; what the shunt shows without any, A.
+    checked, checked_count
+        Of the self-check: sum, and count at its start.
+    brake, power
+        What goes out beside the voltage: 1, told to close; 1, on.
+    found, first
+        All that was found, a bit for each cause, and the first.
     """
 
     servo: AxisServoState
@@ -144,6 +167,7 @@ class AxisDriveState(NamedTuple):
     category: int
     voltages: float
     currents: float
+    usual: float
     zero: float
     checked: float
     checked_count: int
@@ -175,81 +199,96 @@ def drive_step(
     """
     p, s = params, state
     current = seen.current - s.zero
-    watch, index, cause, voltages, currents = (
-        s.watch,
-        s.index_state,
-        0,
-        s.voltages + s.servo.voltage,
-        s.currents + current,
-    )
-    if p.supervised and k % p.servo.speed_samples == 0:
-        index = index_step(p.index_params, index, seen.counts, seen.pulses, seen.index_count)
-        off = 1 if index.fault == 0 and abs(index.total_lost) > 1 else index.fault
-        if off == 1 and abs(index.lost) * OTHER_COUNTS > p.index_params.counts_per_rev:
-            off = 3
-        n = float(p.servo.speed_samples)
-        mean = (currents + 0.5 * (watch.current - current)) / n
-        asks = s.servo.current_reference
-        watch = watch_drive(
-            p.watch, watch, DriveSeen(
-                seen.counts, seen.edges_a, seen.edges_b, off, seen.line_fault, seen.bad_frame, voltages / n, mean,
-                current, asks,
-            ),
-        )  # fmt: skip
-        voltages = currents = 0.0
-        cause = watch.cause if s.power == 1 and s.phase != CHECKING and (s.phase != BLIND or s.first == 0) else 0
-        if cause == 0 and s.phase == RUNNING and k % p.servo.position_samples == 0:
-            wanted = s.servo.angle if p.servo.outer != POSITION_LOOP else _at(reference, s.place, 0)
-            cause = axis_violation(p.limits, wanted, s.servo.angle, s.servo.rate, current)
-    found, first, phase, steps, category = s.found, s.first, s.phase, s.steps + 1, s.category
-    zero, checked, checked_count, held = s.zero, s.checked, s.checked_count, s.held
+    found, looked = _look(p, s, k, seen, current, reference)
+    watch, index, voltages, currents, usual = looked
+    phase, zero, checked, checked_count, held = s.phase, s.zero, s.checked, s.checked_count, s.held
     if phase == CHECKING:
-        phase, cause, zero, checked, checked_count = _check(p.check, s, seen, current)
+        phase, found, zero, checked, checked_count = _check(p.check, s, seen, current)
         held = s.servo.angle
-    if cause != 0:
-        if cause != UNSURE:
-            found |= 1 << cause
-            first = cause if first == 0 else first
-        reaction = _reaction(cause)
-        if reaction == OFF or (reaction == BLIND and phase != OFF) or (reaction == SLOWING and phase == RUNNING):
-            phase, category = reaction, 1
-    if asked != NONE and (phase == RUNNING or phase == HOLDING or phase == RELEASING):
-        phase, category = (OFF if asked == 0 else SLOWING), asked
-    steps = 0 if phase != s.phase else steps
-    phase = _goes_on(p.stop, phase, steps, s.rate, category, abs(watch.emf))
-    steps = 0 if phase != s.phase else steps
-    servo, place, rate = s.servo, s.place, s.rate
-    if phase == OFF:
-        servo = standing(p.servo, servo, seen.counts)
-    elif phase == CHECKING:
-        tests = 0.0 if steps < p.check.zero_steps else p.check.current
-        tests = -tests if steps >= p.check.zero_steps + p.check.torque_steps // 2 else tests
-        servo = current_only(p.servo, servo, tests, current)
-    elif phase == BLIND:
-        most = p.watch.max_current
-        servo = current_only(p.servo, servo, min(max(-p.stop.emf_gain * watch.emf, -most), most), current)
-    else:
-        if steps == 0 and phase == RELEASING:
-            servo = powered(servo, p.hold)
-        r, v, a = held, 0.0, 0.0
-        if phase != RELEASING:
-            r, v, a = _at(reference, place, 0), _at(reference, place, 1), _at(reference, place, 2)
-            v, a = rate * v, rate * rate * a
-            if p.servo.outer != POSITION_LOOP:
-                r = rate * r
-                v, a = r, v
-            if phase == SLOWING:
-                a -= p.stop.slowing * p.stop.samples * v
-        servo = axis_servo_step(p.servo, servo, k, seen.counts, current, r, v, a)
+        if phase == RELEASING:  # the shaft stands: all of the voltage is the resistance's
+            watch = unsuspecting(watch, s.servo.voltage / current)
+    phase, category = _react(phase, s.category, found, asked)
+    steps = s.steps + 1 if phase == s.phase else 0
+    phase = _goes_on(p.stop, phase, steps, s.rate, category, abs(watch.emf) - watch.allowed)
+    steps = steps if phase == s.phase else 0
+    servo = _act(p, s, phase, steps, k, seen.counts, current, watch.emf, reference)
+    place, rate = s.place, s.rate
     if k % p.servo.position_samples == p.servo.position_samples - 1:
         rate = 1.0 if phase == RUNNING else max(rate - p.stop.slowing, 0.0) if phase == SLOWING else 0.0
         place = min(place + rate, reference.shape[1] - 1.0)
-    brake = 1 if phase == OFF or phase == CHECKING or phase == CLOSING or phase == BLIND else 0
+    named = found if found != UNSURE else 0
+    brake = 1 if phase in (OFF, CHECKING, CLOSING, BLIND) else 0
     power = 0 if phase == OFF or (phase == CHECKING and steps < p.check.zero_steps) else 1
     return AxisDriveState(
-        servo, watch, index, phase, steps, place, rate, held, category, voltages, currents, zero, checked,
-        checked_count, brake, power, found, first,
+        servo, watch, index, phase, steps, place, rate, held, category, voltages, currents, usual, zero, checked,
+        checked_count, brake, power, s.found | (1 << named if named != 0 else 0), s.first if s.first != 0 else named,
     )  # fmt: skip
+
+
+@loop(error_model="numpy", forceinline=True)
+def _look(
+    params: AxisDriveParams, state: AxisDriveState, k: int, seen: AxisSignals, current: float, reference: Array
+) -> tuple[int, tuple[DriveWatchState, IndexState, float, float, float]]:
+    """What is wrong at this step (0: nothing): once each sample of the speed loop, from means since the last one."""
+    p, s = params, state
+    voltages, currents, usual = s.voltages + s.servo.voltage, s.currents + current, s.usual
+    if not p.supervised or k % p.servo.speed_samples != 0:
+        return 0, (s.watch, s.index_state, voltages, currents, usual)
+    index = index_step(p.index_params, s.index_state, seen.counts, seen.pulses, seen.index_count)
+    off = 1 if index.fault == 0 and abs(index.total_lost) > 1 else index.fault
+    off = 3 if off == 1 and abs(index.lost) * OTHER_COUNTS > p.index_params.counts_per_rev else off
+    n = float(p.servo.speed_samples)
+    mean = (currents + 0.5 * (s.watch.current - current)) / n
+    means = DriveSeen(
+        seen.counts, seen.edges_a, seen.edges_b, off, seen.line_fault, seen.bad_frame, voltages / n, mean, current,
+        s.servo.current_reference, usual,
+    )  # fmt: skip
+    watch = watch_drive(p.watch, s.watch, means)
+    usual += USUAL * (mean - usual) if watch.differs == 0 and s.phase != BLIND else 0.0
+    found = watch.cause if s.power == 1 and s.phase != CHECKING and (s.phase != BLIND or s.first == 0) else 0
+    if found == 0 and s.phase == RUNNING and k % p.servo.position_samples == 0:
+        wanted = s.servo.angle if p.servo.outer != POSITION_LOOP else _at(reference, s.place, 0)
+        found = axis_violation(p.limits, wanted, s.servo.angle, s.servo.rate, current)
+    return found, (watch, index, 0.0, 0.0, usual)
+
+
+@loop(error_model="numpy", forceinline=True)
+def _react(phase: int, category: int, found: int, asked: int) -> tuple[int, int]:
+    """Phase and category of its stop after what was found, and what is asked for."""
+    if found != 0:
+        reaction = _reaction(found)
+        if reaction == OFF or (reaction == BLIND and phase != OFF) or (reaction == SLOWING and phase == RUNNING):
+            phase, category = reaction, 1
+    if asked != NONE and phase in (RUNNING, HOLDING, RELEASING):
+        phase, category = (OFF if asked == 0 else SLOWING), asked
+    return phase, category
+
+
+@loop(error_model="numpy", forceinline=True)
+def _act(
+    params: AxisDriveParams, state: AxisDriveState, phase: int, steps: int, k: int, count: int, current: float,
+    emf: float, reference: Array,
+) -> AxisServoState:  # fmt: skip
+    """The loops in a phase."""
+    p, s = params, state
+    if phase == OFF or (phase == CHECKING and steps < p.check.zero_steps):
+        return standing(p.servo, s.servo, count)
+    if phase == CHECKING:
+        second = steps >= p.check.zero_steps + p.check.torque_steps // 2
+        return current_only(p.servo, s.servo, -p.check.current if second else p.check.current, current)
+    if phase == BLIND:
+        most, brakes = p.watch.max_current, s.usual - p.stop.emf_gain * emf
+        return current_only(p.servo, s.servo, min(max(brakes, -most), most), current)
+    if phase == RELEASING:
+        servo = powered(s.servo, p.hold) if steps == 0 else s.servo
+        return axis_servo_step(p.servo, servo, k, count, current, s.held, 0.0, 0.0)
+    r = _at(reference, s.place, 0)
+    v, a = s.rate * _at(reference, s.place, 1), s.rate * s.rate * _at(reference, s.place, 2)
+    if p.servo.outer != POSITION_LOOP:
+        r, v, a = s.rate * r, s.rate * r, v
+    if phase == SLOWING:
+        a -= p.stop.slowing * p.stop.samples * v
+    return axis_servo_step(p.servo, s.servo, k, count, current, r, v, a)
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -263,7 +302,7 @@ def _at(reference: Array, place: float, row: int) -> float:
 @loop(error_model="numpy", forceinline=True)
 def _reaction(cause: int) -> int:
     """Phase that a cause leads to: an open winding cannot brake; what the encoder says is not believed, or it is."""
-    if cause == WINDING or cause > WINDING:
+    if cause == WINDING or cause >= OFFSET:
         return OFF
     return BLIND if UNSURE <= cause <= COUNTS or cause == SPEED or cause == CURRENT else SLOWING
 

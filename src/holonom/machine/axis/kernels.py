@@ -129,8 +129,8 @@ def axis_servo_step(
     voltage = s.next_voltage
     next_voltage, current_integral = current_step(p.current, s.current_integral, current_reference, current, rate)
     return AxisServoState(
-        s.offset, counts, angle, rate, load, current_integral, speed_integral, speed_reference, current_reference, voltage,
-        next_speed, next_current, next_voltage,
+        s.offset, counts, angle, rate, load, current_integral, speed_integral, speed_reference, current_reference,
+        voltage, next_speed, next_current, next_voltage,
     )  # fmt: skip
 
 
