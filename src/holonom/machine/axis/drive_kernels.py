@@ -304,7 +304,7 @@ def _reaction(cause: int) -> int:
     """Phase that a cause leads to: an open winding cannot brake; what the encoder says is not believed, or it is."""
     if cause == WINDING or cause >= OFFSET:
         return OFF
-    return BLIND if UNSURE <= cause <= COUNTS or cause == SPEED or cause == CURRENT else SLOWING
+    return BLIND if UNSURE <= cause <= COUNTS or cause in (SPEED, CURRENT, BLOCKED) else SLOWING
 
 
 @loop(error_model="numpy", forceinline=True)
