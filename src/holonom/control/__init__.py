@@ -30,6 +30,8 @@ Loops on a mobile base (compiled steps in `base.kernels`):
 `tune_wheel`             a motor's data sheet to the `WheelLoop` of its wheel, with margins
 =======================  =======================================================================
 
+Regulators (`regulators`): `REGULATORS`, a `Regulator` each, and `respond`, what one answers to a sequence.
+
 Tables: `CONTROLLERS` of an arm's joints, `BASE_CONTROLLERS`, the parts above, `PATH_LAWS` for bases that roll
 forwards and turn (`path_laws`; a `PathLaw` each), `BALANCE_LAWS` of an inverted pendulum (`balance`; a `BalanceLaw`).
 """
@@ -43,6 +45,7 @@ from holonom.control.margins import LoopMargin
 from holonom.control.methods import BASE_CONTROLLERS, CONTROLLERS, CascadeSettings, ComputedTorqueSettings
 from holonom.control.path_laws.contract import PathLaw
 from holonom.control.path_laws.methods import PATH_LAWS
+from holonom.control.regulators import REGULATORS, Regulator, respond
 from holonom.control.servo.cascade import CascadeGains, DesignWarning, SampleTimes, ServoAxis, design_cascade
 from holonom.control.servo.computed_torque import acceleration_params, greatest_bandwidth
 from holonom.control.servo.kernels import (
@@ -68,6 +71,7 @@ __all__ = [
     "BASE_CONTROLLERS",
     "CONTROLLERS",
     "PATH_LAWS",
+    "REGULATORS",
     "AccelerationParams",
     "AxisLimits",
     "BalanceLaw",
@@ -84,6 +88,7 @@ __all__ = [
     "Pendulum",
     "PiParams",
     "PositionParams",
+    "Regulator",
     "SampleTimes",
     "ServoAxis",
     "SpeedParams",
@@ -101,6 +106,7 @@ __all__ = [
     "pi_start",
     "pi_step",
     "position_step",
+    "respond",
     "speed_step",
     "torque_to_current",
     "tune_wheel",
