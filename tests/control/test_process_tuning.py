@@ -345,3 +345,9 @@ def test_records_that_tell_nothing() -> None:
         p.identify_relay(t, u, y, hysteresis=5.0, kind="lag_dead_time")
     with pytest.raises(OutOfLimits, match="hysteresis is nan"):
         p.identify_relay(t, u, y, hysteresis=math.nan)
+
+
+def test_a_zero_on_the_right_counts_as_dead_time() -> None:
+    """Half rule of `(1 - s/2)/((1 + 2 s)(1 + s))`: 2.5 s of lag, 0.5 + 0.5 s of dead time."""
+    found = tune_process({"num": [-0.5, 1.0], "den": [2.0, 3.0, 1.0]}, "simc")
+    assert found.gains == pytest.approx((2.5 / 2.0, 2.5, 0.0))

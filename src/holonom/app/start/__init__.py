@@ -1,4 +1,4 @@
-"""Where a person begins: the examples that come with Holonom, and the first cell of their own.
+"""What comes first: a new cell or a demo, and a check of what was written."""
 
 =================  ==================================================================
 `demo`             where the examples lie, in a clone and in an installed package

@@ -10,9 +10,9 @@ from holonom.control.processes.closed import overshoot_percent
 from holonom.control.processes.contract import FORMS, Rule, Tuning, refuse_form
 from holonom.control.processes.loop import Gains, LoopFigures, loop_figures, open_loop
 from holonom.control.processes.methods import RULES
-from holonom.control.processes.process import Process, make_process, parts_of
+from holonom.control.processes.process import Process, make_process
 from holonom.control.processes.sampled import SampledMargin, largest_gain, sampled_margin, sampled_step
-from holonom.errors import ModelError, UnknownName
+from holonom.errors import InputError, ModelError, UnknownName
 
 __all__ = ["default_rule", "tune_process", "verified"]
 
@@ -21,17 +21,32 @@ LEAST_DEG, MOST_MS = 30.0, 2.0  # phase margin and sensitivity, beyond which a d
 SAMPLES = 2000  # of a sampled step response
 
 
-def default_rule(process: Process) -> str:
-    """Return the rule that is taken unless one is named: by Bode where the process has its form, else SIMC."""
-    parts = parts_of(process)
-    plain = not parts.swings and not parts.leads
-    if plain and not parts.integrators and parts.dead_time > 0.0 and len(parts.lags) <= 1:
-        return "lag_compensation"
-    if plain and not parts.integrators and parts.dead_time == 0.0 and len(parts.lags) == 2:
-        return "phase_margin_60"
-    if plain and parts.integrators == 1 and sum(parts.lags) + parts.dead_time > 0.0:
-        return "symmetrical_bode"
-    return "ziegler_nichols_ultimate" if parts.swings else "simc"
+def default_rule(process: Process, form: str | None = None, settings: Mapping[str, Any] = MappingProxyType({})) -> str:
+    """Return the rule that is taken unless one is named: the first that fits with a stable loop.
+
+    In the order of the table: by Bode where the process has such a form, optima, SIMC, lambda, reaction curves.
+
+    Parameters
+    ----------
+    process, form
+        As of `tune_process`.
+    settings
+        Of rules, by name; each takes its own.
+    """
+    form = _form(process, form)
+    for rule in RULES.own:
+        known = {field.name for field in RULES[rule].fields}
+        try:
+            made: Rule = RULES.make(rule, {key: value for key, value in settings.items() if key in known})
+            if form in made.forms and loop_figures(open_loop(process, made.gains(process, form), form)).stable:
+                return rule
+        except InputError:
+            continue
+    return next(iter(RULES.own)) if len(process.den) == 1 else "simc"
+
+
+def _form(process: Process, form: str | None) -> str:
+    return ("PI" if len(process.den) > 1 else "I") if form is None else form
 
 
 def tune_process(
@@ -50,7 +65,7 @@ def tune_process(
     process
         A `Process`, or its kind and keys.
     rule
-        Of `RULES`; None: by Bode where the process has such a form, else SIMC.
+        Of `RULES`; None: `default_rule`.
     form
         "P", "PI", "PD", "PID", or "I" for dead time alone; None: "PI", of dead time alone "I".
     sample_time, delay_samples
@@ -74,10 +89,10 @@ def tune_process(
         A number outside its range.
     """
     process = make_process(process)
-    form = ("PI" if len(process.den) > 1 else "I") if form is None else form
+    form = _form(process, form)
     if form not in FORMS:
         raise UnknownName("form", form, FORMS)
-    rule = default_rule(process) if rule is None else rule
+    rule = default_rule(process, form, settings) if rule is None else rule
     RULES[rule]
     if rule == "sampled":
         if sample_time is not None:

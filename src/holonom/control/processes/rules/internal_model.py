@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from holonom.control.processes.contract import Rule
-from holonom.control.processes.curve import half_rule
+from holonom.control.processes.curve import Curve, half_rule
 from holonom.control.processes.loop import Gains
 from holonom.control.processes.process import Process
 from holonom.errors import ModelError
@@ -41,6 +41,8 @@ def _rule(settings: LambdaSettings) -> Rule:
         model = half_rule(process, 1)
         T, theta = model.lag, model.dead_time
         wanted = settings.closed_lag
+        if form == "P":
+            return _proportional(model, wanted)
         if math.isinf(T):
             slow = 3.0 * theta if wanted is None else wanted
             if form != "PI" or slow <= 0.0:
@@ -56,7 +58,16 @@ def _rule(settings: LambdaSettings) -> Rule:
         half = 0.5 * theta
         return Gains((T + half) / (model.gain * (slow + half)), T + half, T * half / (T + half))
 
-    return Rule(("PI", "PID"), gains)
+    return Rule(("P", "PI", "PID"), gains)
+
+
+def _proportional(model: Curve, wanted: float | None) -> Gains:
+    """`K_c = (T/lambda - 1)/K`, integrating `1/(K lambda)`: without dead time any lag can be had."""
+    if model.dead_time > 0.0 or model.lag == 0.0 or wanted is None or not wanted < model.lag:
+        raise ModelError("P by lambda takes one lag, or an integrator, and closed_lag, which is less than that lag")
+    if math.isinf(model.lag):
+        return Gains(1.0 / (model.slope * wanted))
+    return Gains((model.lag / wanted - 1.0) / model.gain)
 
 
 LAMBDA = Method(
