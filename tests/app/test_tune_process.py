@@ -127,7 +127,7 @@ def test_the_guide_answers_for_every_process(
         (OVEN + "[wanted]\nrule = 'sims'\n", "7: wanted.rule: no value of rule 'sims'"),
         (OVEN + "[wanted]\nrati = 3\n", "wanted.rati: no key 'rati'"),
         (OVEN + "[limits]\nu = 3\n", "6: limits: no table 'limits'; there is process, wanted"),
-        (OVEN + "[wanted]\nrule='aperiodic'\n", "'aperiodic': this rule takes two lags without dead time; rules that fit"),
+        (OVEN + "[wanted]\nrule='aperiodic'\n", "'aperiodic': this rule takes two lags without dead time; rules th"),
         (OVEN + "[wanted]\nform = 'PD'\nrule = 'simc'\n", "rule 'simc' has no PD; it has PI, PID; rules that fit: "),
         ("[process]\nnum = [1]\nden = [1, 0, 0]\n", "1: process: two integrators"),
         ("[process\n", "not TOML"),
