@@ -14,6 +14,9 @@ TABLES: Mapping[str, str] = MappingProxyType(
     {
         "controllers": "holonom.control.methods:CONTROLLERS",
         "base_controllers": "holonom.control.methods:BASE_CONTROLLERS",
+        "regulators": "holonom.control.regulators.methods:REGULATORS",
+        "processes": "holonom.control.processes.process:PROCESSES",
+        "rules": "holonom.control.processes.methods:RULES",
         "path_laws": "holonom.control.path_laws.methods:PATH_LAWS",
         "balance_laws": "holonom.control.balance.methods:BALANCE_LAWS",
         "slip_detectors": "holonom.mobile.methods:SLIP_DETECTORS",
