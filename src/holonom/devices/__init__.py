@@ -4,6 +4,8 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 
 ======================  ========================================================================
 `DcMotor`               armature, constants, limits; `A_M`, `A_T`, `T_M`, `T_V`, damping
+`MotorSheet`            what a vendor prints; `check_sheet`: does it agree with itself
+`ThermalModel`          winding and housing: duty, time to a limit, largest continuous current
 `Gear`                  signed ratio, efficiency
 `Friction`              viscous and asymmetric Coulomb
 `LuGre`                 bristles: stick-slip, presliding, Stribeck
@@ -12,12 +14,13 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 `Gyro`                  noise and offset; `Accelerometer` and `CurrentShunt` too
 ======================  ========================================================================
 
-`DEVICES` lists those between motor and joint.
+`DEVICES` lists those between motor and joint, `MOTORS` motors that can be bought (`motor_card`).
 
 Compiled steps over scalars (`kernels.py` of each room), for a loop that keeps the state of its axes in rows of numbers:
 
 ======================  ========================================================================
 `armature_step`         voltage and speed to current, exact between samples
+`thermal_step`          current to temperatures of winding and housing, exact
 `stiction_step`         friction of a simulated shaft, which holds at standstill
 `lugre_step`            friction of bristles, integrated exactly
 `friction_torque`       friction as a controller feeds it forward, by speed alone
@@ -42,8 +45,12 @@ from holonom.devices.encoders.kernels import (
     tracking_step,
 )
 from holonom.devices.methods import DEVICES
+from holonom.devices.motors.catalogue import MOTORS, MotorCard, motor_card
+from holonom.devices.motors.data_sheet import MotorSheet
 from holonom.devices.motors.dc_motor import DcMotor
 from holonom.devices.motors.kernels import ArmatureParams, armature_step
+from holonom.devices.motors.sheet_check import Finding, SheetCheck, check_sheet
+from holonom.devices.motors.thermal import Temperatures, ThermalModel, ThermalParams, thermal_step
 from holonom.devices.sensors import Accelerometer, CurrentShunt, Gyro
 from holonom.devices.steering import SteeringMotor, SteeringParams
 from holonom.devices.transmission.friction import Friction
@@ -62,12 +69,14 @@ from holonom.devices.transmission.lugre import LuGre
 
 __all__ = [
     "DEVICES",
+    "MOTORS",
     "Accelerometer",
     "ArmatureParams",
     "CurrentShunt",
     "DcMotor",
     "Encoder",
     "EncoderParams",
+    "Finding",
     "Friction",
     "FrictionParams",
     "Gear",
@@ -75,12 +84,19 @@ __all__ = [
     "Gyro",
     "LuGre",
     "LuGreParams",
+    "MotorCard",
+    "MotorSheet",
+    "SheetCheck",
     "SteeringMotor",
     "SteeringParams",
     "StictionParams",
+    "Temperatures",
+    "ThermalModel",
+    "ThermalParams",
     "TrackingParams",
     "TrackingState",
     "armature_step",
+    "check_sheet",
     "count_angle",
     "difference_speed",
     "encoder_counter",
@@ -88,7 +104,9 @@ __all__ = [
     "friction_torque",
     "gear_torque",
     "lugre_step",
+    "motor_card",
     "stiction_step",
+    "thermal_step",
     "tracking_params",
     "tracking_step",
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from holonom.devices.motors.dc_motor import DcMotor
+from holonom.devices.motors.thermal import ThermalModel
 from holonom.devices.transmission.friction import Friction
 from holonom.devices.transmission.gear import Gear
 from holonom.devices.transmission.lugre import LuGre
@@ -26,6 +27,7 @@ DEVICES = Table(
     "its data sheet, which makes the params of its compiled step",
     {
         "dc_motor": Method("permanent-magnet DC motor with its power stage", _itself, _CRAIG, DcMotor),
+        "thermal": Method("winding and housing of a motor", _itself, "maxon, Key information; spec 03.1", ThermalModel),
         "gear": Method("stiff gear without play", _itself, _CRAIG, Gear),
         "friction": Method(
             "viscous and asymmetric Coulomb friction",

@@ -25,6 +25,7 @@ TABLES: Mapping[str, str] = MappingProxyType(
         "headings": "holonom.machine.base.paths:HEADINGS",
         "sensors": "holonom.sim.sensors:SENSORS",
         "devices": "holonom.devices.methods:DEVICES",
+        "motors": "holonom.devices.motors.catalogue:MOTORS",
         "plants": "holonom.sim.plants:PLANTS",
         "presets": "holonom.model.presets:PRESETS",
         "joint_kinds": "holonom.model.joint_kinds:JOINT_KINDS",

@@ -1,0 +1,3 @@
+"""What stands between supply and motor: bridge, supply, limiter, brake (specification 03.1)."""
+
+__all__: list[str] = []
