@@ -5,6 +5,11 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 ======================  ========================================================================
 `DcMotor`               armature, constants, limits; `A_M`, `A_T`, `T_M`, `T_V`, damping
 `MotorSheet`            what a vendor prints; `check_sheet`: does it agree with itself
+`Pmsm`                  synchronous or brushless; `FieldOrientation` and `SixStep` drive it, `run_pmsm` runs it
+`Stepper`               microsteps, resonance, lost steps
+`InductionMotor`        Kloss' characteristic; `InductionMachine` in space vectors
+`SwitchedReluctance`    its switching angles, by speed and current; `check_angles`
+`Cogging`               torque of the slots, and the dead band that it makes
 `ThermalModel`          winding and housing: duty, time to a limit, largest continuous current
 `Gear`                  signed ratio, efficiency
 `Friction`              viscous and asymmetric Coulomb
@@ -20,6 +25,12 @@ Compiled steps over scalars (`kernels.py` of each room), for a loop that keeps t
 
 ======================  ========================================================================
 `armature_step`         voltage and speed to current, exact between samples
+`pmsm_step`             dq voltages and speed to dq currents, exact
+`field_step`            regulators of the field orientation
+`six_step_step`         current of the conducting pair
+`stepper_step`          rotor on its field
+`induction_step`        fluxes and torque, exact
+`reluctance_step`       flux of a phase
 `thermal_step`          current to temperatures of winding and housing, exact
 `stiction_step`         friction of a simulated shaft, which holds at standstill
 `lugre_step`            friction of bristles, integrated exactly
@@ -45,11 +56,42 @@ from holonom.devices.encoders.kernels import (
     tracking_step,
 )
 from holonom.devices.methods import DEVICES
+from holonom.devices.motors.angle_check import check_angles
 from holonom.devices.motors.catalogue import MOTORS, MotorCard, motor_card
+from holonom.devices.motors.cogging import Cogging, CoggingParams, DeadBand, cogging_torque
 from holonom.devices.motors.data_sheet import MotorSheet
 from holonom.devices.motors.dc_motor import DcMotor
+from holonom.devices.motors.field_orientation import (
+    FieldOrientation,
+    FieldParams,
+    FieldState,
+    PmsmRun,
+    field_reference,
+    field_step,
+    run_pmsm,
+)
+from holonom.devices.motors.induction import (
+    InductionMachine,
+    InductionMotor,
+    InductionParams,
+    InductionState,
+    induction_step,
+)
 from holonom.devices.motors.kernels import ArmatureParams, armature_step
+from holonom.devices.motors.pmsm import Dq, Pmsm, PmsmParams, pmsm_step, pmsm_torque
+from holonom.devices.motors.reluctance import (
+    AngleTable,
+    ReluctanceCycle,
+    ReluctanceParams,
+    SwitchedReluctance,
+    reluctance_cycle,
+    reluctance_on,
+    reluctance_step,
+    reluctance_torque,
+)
 from holonom.devices.motors.sheet_check import Finding, SheetCheck, check_sheet
+from holonom.devices.motors.six_step import SixStep, SixStepParams, hall_sector, six_step_step, six_step_torque
+from holonom.devices.motors.stepper import Stepper, StepperParams, StepperState, stepper_step, stepper_torque
 from holonom.devices.motors.thermal import Temperatures, ThermalModel, ThermalParams, thermal_step
 from holonom.devices.sensors import Accelerometer, CurrentShunt, Gyro
 from holonom.devices.steering import SteeringMotor, SteeringParams
@@ -71,40 +113,80 @@ __all__ = [
     "DEVICES",
     "MOTORS",
     "Accelerometer",
+    "AngleTable",
     "ArmatureParams",
+    "Cogging",
+    "CoggingParams",
     "CurrentShunt",
     "DcMotor",
+    "DeadBand",
+    "Dq",
     "Encoder",
     "EncoderParams",
+    "FieldOrientation",
+    "FieldParams",
+    "FieldState",
     "Finding",
     "Friction",
     "FrictionParams",
     "Gear",
     "GearParams",
     "Gyro",
+    "InductionMachine",
+    "InductionMotor",
+    "InductionParams",
+    "InductionState",
     "LuGre",
     "LuGreParams",
     "MotorCard",
     "MotorSheet",
+    "Pmsm",
+    "PmsmParams",
+    "PmsmRun",
+    "ReluctanceCycle",
+    "ReluctanceParams",
     "SheetCheck",
+    "SixStep",
+    "SixStepParams",
     "SteeringMotor",
     "SteeringParams",
+    "Stepper",
+    "StepperParams",
+    "StepperState",
     "StictionParams",
+    "SwitchedReluctance",
     "Temperatures",
     "ThermalModel",
     "ThermalParams",
     "TrackingParams",
     "TrackingState",
     "armature_step",
+    "check_angles",
     "check_sheet",
+    "cogging_torque",
     "count_angle",
     "difference_speed",
     "encoder_counter",
     "extend_counter",
+    "field_reference",
+    "field_step",
     "friction_torque",
     "gear_torque",
+    "hall_sector",
+    "induction_step",
     "lugre_step",
     "motor_card",
+    "pmsm_step",
+    "pmsm_torque",
+    "reluctance_cycle",
+    "reluctance_on",
+    "reluctance_step",
+    "reluctance_torque",
+    "run_pmsm",
+    "six_step_step",
+    "six_step_torque",
+    "stepper_step",
+    "stepper_torque",
     "stiction_step",
     "thermal_step",
     "tracking_params",
