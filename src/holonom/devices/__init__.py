@@ -11,6 +11,7 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 `SwitchedReluctance`    its switching angles, by speed and current; `check_angles`
 `Cogging`               torque of the slots, and the dead band that it makes
 `ThermalModel`          winding and housing: duty, time to a limit, largest continuous current
+`PwmBridge`             ripple, dead time; `Supply` sags; `CurrentLimiter` with a dead band
 `Gear`                  signed ratio, efficiency
 `Friction`              viscous and asymmetric Coulomb
 `LuGre`                 bristles: stick-slip, presliding, Stribeck
@@ -31,6 +32,9 @@ Compiled steps over scalars (`kernels.py` of each room), for a loop that keeps t
 `stepper_step`          rotor on its field
 `induction_step`        fluxes and torque, exact
 `reluctance_step`       flux of a phase
+`bridge_voltage`        voltage asked for to voltage at the motor
+`supply_step`           voltage of the DC link, exact
+`limiter_voltage`       what a current limiter leaves of a voltage
 `thermal_step`          current to temperatures of winding and housing, exact
 `stiction_step`         friction of a simulated shaft, which holds at standstill
 `lugre_step`            friction of bristles, integrated exactly
@@ -93,6 +97,9 @@ from holonom.devices.motors.sheet_check import Finding, SheetCheck, check_sheet
 from holonom.devices.motors.six_step import SixStep, SixStepParams, hall_sector, six_step_step, six_step_torque
 from holonom.devices.motors.stepper import Stepper, StepperParams, StepperState, stepper_step, stepper_torque
 from holonom.devices.motors.thermal import Temperatures, ThermalModel, ThermalParams, thermal_step
+from holonom.devices.power.bridge import BridgeParams, PwmBridge, bridge_voltage
+from holonom.devices.power.limiter import CurrentLimiter, LimiterParams, limiter_voltage
+from holonom.devices.power.supply import Supply, SupplyParams, supply_step
 from holonom.devices.sensors import Accelerometer, CurrentShunt, Gyro
 from holonom.devices.steering import SteeringMotor, SteeringParams
 from holonom.devices.transmission.friction import Friction
@@ -115,8 +122,10 @@ __all__ = [
     "Accelerometer",
     "AngleTable",
     "ArmatureParams",
+    "BridgeParams",
     "Cogging",
     "CoggingParams",
+    "CurrentLimiter",
     "CurrentShunt",
     "DcMotor",
     "DeadBand",
@@ -136,6 +145,7 @@ __all__ = [
     "InductionMotor",
     "InductionParams",
     "InductionState",
+    "LimiterParams",
     "LuGre",
     "LuGreParams",
     "MotorCard",
@@ -143,6 +153,7 @@ __all__ = [
     "Pmsm",
     "PmsmParams",
     "PmsmRun",
+    "PwmBridge",
     "ReluctanceCycle",
     "ReluctanceParams",
     "SheetCheck",
@@ -154,6 +165,8 @@ __all__ = [
     "StepperParams",
     "StepperState",
     "StictionParams",
+    "Supply",
+    "SupplyParams",
     "SwitchedReluctance",
     "Temperatures",
     "ThermalModel",
@@ -161,6 +174,7 @@ __all__ = [
     "TrackingParams",
     "TrackingState",
     "armature_step",
+    "bridge_voltage",
     "check_angles",
     "check_sheet",
     "cogging_torque",
@@ -174,6 +188,7 @@ __all__ = [
     "gear_torque",
     "hall_sector",
     "induction_step",
+    "limiter_voltage",
     "lugre_step",
     "motor_card",
     "pmsm_step",
@@ -188,6 +203,7 @@ __all__ = [
     "stepper_step",
     "stepper_torque",
     "stiction_step",
+    "supply_step",
     "thermal_step",
     "tracking_params",
     "tracking_step",

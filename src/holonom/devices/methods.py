@@ -11,6 +11,9 @@ from holonom.devices.motors.pmsm import Pmsm
 from holonom.devices.motors.reluctance import SwitchedReluctance
 from holonom.devices.motors.stepper import Stepper
 from holonom.devices.motors.thermal import ThermalModel
+from holonom.devices.power.bridge import PwmBridge
+from holonom.devices.power.limiter import CurrentLimiter
+from holonom.devices.power.supply import Supply
 from holonom.devices.transmission.friction import Friction
 from holonom.devices.transmission.gear import Gear
 from holonom.devices.transmission.lugre import LuGre
@@ -25,6 +28,7 @@ def _itself(sheet: Any) -> Any:
 
 
 _CRAIG = "Craig, Introduction to Robotics, ch. 9"
+_MOHAN = "Mohan, Undeland, Robbins, Power Electronics, 2003; spec 03.1"
 _LEONHARD = "Leonhard, Control of Electrical Drives; spec 03.1"
 
 DEVICES = Table(
@@ -45,6 +49,9 @@ DEVICES = Table(
         ),
         "cogging": Method("torque of the slots", _itself, "Hanselman, Brushless Motor Design, 2003, ch. 9", Cogging),
         "thermal": Method("winding and housing of a motor", _itself, "maxon, Key information; spec 03.1", ThermalModel),
+        "pwm_bridge": Method("bridge of switches", _itself, _MOHAN, PwmBridge),
+        "supply": Method("battery or rectifier with a DC link", _itself, _MOHAN, Supply),
+        "current_limiter": Method("dead band in negative feedback", _itself, "000 3.6.1; spec 03.1", CurrentLimiter),
         "gear": Method("stiff gear without play", _itself, _CRAIG, Gear),
         "friction": Method(
             "viscous and asymmetric Coulomb friction",
