@@ -4,6 +4,14 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 
 ======================  ========================================================================
 `DcMotor`               armature, constants, limits; `A_M`, `A_T`, `T_M`, `T_V`, damping
+`MotorSheet`            what a vendor prints; `check_sheet`: does it agree with itself
+`Pmsm`                  synchronous or brushless; `FieldOrientation` and `SixStep` drive it, `run_pmsm` runs it
+`Stepper`               microsteps, resonance, lost steps
+`InductionMotor`        Kloss' characteristic; `InductionMachine` in space vectors
+`SwitchedReluctance`    its switching angles, by speed and current; `check_angles`
+`Cogging`               torque of the slots, and the dead band that it makes
+`ThermalModel`          winding and housing: duty, time to a limit, largest continuous current
+`PwmBridge`             ripple, dead time; `Supply` sags; `CurrentLimiter` with a dead band
 `Gear`                  signed ratio, efficiency
 `Friction`              viscous and asymmetric Coulomb
 `LuGre`                 bristles: stick-slip, presliding, Stribeck
@@ -16,12 +24,22 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 `Gyro`                  noise and offset; `Accelerometer` and `CurrentShunt` too
 ======================  ========================================================================
 
-`DEVICES` lists those between motor and joint.
+`DEVICES` lists those between motor and joint, `MOTORS` motors that can be bought (`motor_card`).
 
 Compiled steps over scalars (`kernels.py` of each room), for a loop that keeps the state of its axes in rows of numbers:
 
 ======================  ========================================================================
 `armature_step`         voltage and speed to current, exact between samples
+`pmsm_step`             dq voltages and speed to dq currents, exact
+`field_step`            regulators of the field orientation
+`six_step_step`         current of the conducting pair
+`stepper_step`          rotor on its field
+`induction_step`        fluxes and torque, exact
+`reluctance_step`       flux of a phase
+`bridge_voltage`        voltage asked for to voltage at the motor
+`supply_step`           voltage of the DC link, exact
+`limiter_voltage`       what a current limiter leaves of a voltage
+`thermal_step`          current to temperatures of winding and housing, exact
 `stiction_step`         friction of a simulated shaft, which holds at standstill
 `lugre_step`            friction of bristles, integrated exactly
 `friction_torque`       friction as a controller feeds it forward, by speed alone
@@ -115,8 +133,46 @@ from holonom.devices.encoders.speeds.readings import (
 )
 from holonom.devices.encoders.speeds.t import TMethod, TParams, TState, t_step
 from holonom.devices.methods import DEVICES
+from holonom.devices.motors.angle_check import check_angles
+from holonom.devices.motors.catalogue import MOTORS, MotorCard, motor_card
+from holonom.devices.motors.cogging import Cogging, CoggingParams, DeadBand, cogging_torque
+from holonom.devices.motors.data_sheet import MotorSheet
 from holonom.devices.motors.dc_motor import DcMotor
+from holonom.devices.motors.field_orientation import (
+    FieldOrientation,
+    FieldParams,
+    FieldState,
+    PmsmRun,
+    field_reference,
+    field_step,
+    run_pmsm,
+)
+from holonom.devices.motors.induction import (
+    InductionMachine,
+    InductionMotor,
+    InductionParams,
+    InductionState,
+    induction_step,
+)
 from holonom.devices.motors.kernels import ArmatureParams, armature_step
+from holonom.devices.motors.pmsm import Dq, Pmsm, PmsmParams, pmsm_step, pmsm_torque
+from holonom.devices.motors.reluctance import (
+    AngleTable,
+    ReluctanceCycle,
+    ReluctanceParams,
+    SwitchedReluctance,
+    reluctance_cycle,
+    reluctance_on,
+    reluctance_step,
+    reluctance_torque,
+)
+from holonom.devices.motors.sheet_check import Finding, SheetCheck, check_sheet
+from holonom.devices.motors.six_step import SixStep, SixStepParams, hall_sector, six_step_step, six_step_torque
+from holonom.devices.motors.stepper import Stepper, StepperParams, StepperState, stepper_step, stepper_torque
+from holonom.devices.motors.thermal import Temperatures, ThermalModel, ThermalParams, thermal_step
+from holonom.devices.power.bridge import BridgeParams, PwmBridge, bridge_voltage
+from holonom.devices.power.limiter import CurrentLimiter, LimiterParams, limiter_voltage
+from holonom.devices.power.supply import Supply, SupplyParams, supply_step
 from holonom.devices.sensors import Accelerometer, CurrentShunt, Gyro
 from holonom.devices.steering import SteeringMotor, SteeringParams
 from holonom.devices.transmission.friction import Friction
@@ -142,7 +198,9 @@ __all__ = [
     "INDEX_START",
     "LINE_RECEIVERS",
     "SPEED_METHODS",
+    "MOTORS",
     "Accelerometer",
+    "AngleTable",
     "ArmatureParams",
     "BissFrame",
     "CaptureParams",
@@ -154,6 +212,20 @@ __all__ = [
     "Encoder",
     "EncoderParams",
     "EndatFrame",
+    "BridgeParams",
+    "Cogging",
+    "CoggingParams",
+    "CurrentLimiter",
+    "CurrentShunt",
+    "DcMotor",
+    "DeadBand",
+    "Dq",
+    "Encoder",
+    "EncoderParams",
+    "FieldOrientation",
+    "FieldParams",
+    "FieldState",
+    "Finding",
     "Friction",
     "FrictionParams",
     "Gear",
@@ -192,8 +264,29 @@ __all__ = [
     "SinCosEncoder",
     "SinCosParams",
     "SsiFrame",
+    "InductionMachine",
+    "InductionMotor",
+    "InductionParams",
+    "InductionState",
+    "LimiterParams",
+    "LuGre",
+    "LuGreParams",
+    "MotorCard",
+    "MotorSheet",
+    "Pmsm",
+    "PmsmParams",
+    "PmsmRun",
+    "PwmBridge",
+    "ReluctanceCycle",
+    "ReluctanceParams",
+    "SheetCheck",
+    "SixStep",
+    "SixStepParams",
     "SteeringMotor",
     "SteeringParams",
+    "Stepper",
+    "StepperParams",
+    "StepperState",
     "StictionParams",
     "SwitchHoming",
     "SwitchParams",
@@ -207,6 +300,19 @@ __all__ = [
     "capture_params",
     "correct_sincos",
     "corrected_count",
+    "Supply",
+    "SupplyParams",
+    "SwitchedReluctance",
+    "Temperatures",
+    "ThermalModel",
+    "ThermalParams",
+    "TrackingParams",
+    "TrackingState",
+    "armature_step",
+    "bridge_voltage",
+    "check_angles",
+    "check_sheet",
+    "cogging_torque",
     "count_angle",
     "crc",
     "decode_frame",
@@ -245,6 +351,29 @@ __all__ = [
     "stiction_step",
     "switch_step",
     "t_step",
+    "field_reference",
+    "field_step",
+    "friction_torque",
+    "gear_torque",
+    "hall_sector",
+    "induction_step",
+    "limiter_voltage",
+    "lugre_step",
+    "motor_card",
+    "pmsm_step",
+    "pmsm_torque",
+    "reluctance_cycle",
+    "reluctance_on",
+    "reluctance_step",
+    "reluctance_torque",
+    "run_pmsm",
+    "six_step_step",
+    "six_step_torque",
+    "stepper_step",
+    "stepper_torque",
+    "stiction_step",
+    "supply_step",
+    "thermal_step",
     "tracking_params",
     "tracking_step",
     "unwrap_count",

@@ -31,6 +31,7 @@ TABLES: Mapping[str, str] = MappingProxyType(
         "speed_methods": "holonom.devices.encoders.speeds.methods:SPEED_METHODS",
         "homings": "holonom.devices.encoders.homing.methods:HOMINGS",
         "frames": "holonom.devices.encoders.frames.methods:FRAMES",
+        "motors": "holonom.devices.motors.catalogue:MOTORS",
         "plants": "holonom.sim.plants:PLANTS",
         "presets": "holonom.model.presets:PRESETS",
         "joint_kinds": "holonom.model.joint_kinds:JOINT_KINDS",
