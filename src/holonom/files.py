@@ -57,6 +57,7 @@ LIMITS: Mapping[str, Kind] = MappingProxyType({
     "layout": Kind("a layout of parts (CSV)", 4 * MIB),
     "photograph": Kind("a photograph", 64 * MIB),
     "robot": Kind("a robot description (URDF or xacro)", 16 * MIB),
+    "sheet": Kind("a process or an axis (TOML)", MIB),
     "description": Kind("the description of a log (TOML)", MIB),
     "log": Kind("a log (CSV)", 128 * MIB),
 })  # fmt: skip

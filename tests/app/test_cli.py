@@ -140,7 +140,7 @@ WRONG = {
     (): "no command came; there is demo, new, run, check",
     ("--jso",): "option '--jso' came before a command",
     ("runn",): "no command 'runn'; there is bench, .*; did you mean 'run'?",
-    ("calibrate",): "holonom calibrate needs a subject; there is dynamics, drive, odometry",
+    ("calibrate",): "holonom calibrate needs a subject; there is dynamics, drive, odometry, process",
     ("calibrate", "dynamic"): "no subject of holonom calibrate 'dynamic'; .*; did you mean 'dynamics'?",
     ("run",): "required: CELL; 'holonom run --help' says",
     ("run", "a", "b"): "'b' came; it is unknown or one too many",

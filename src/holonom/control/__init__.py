@@ -30,6 +30,10 @@ Loops on a mobile base (compiled steps in `base.kernels`):
 `tune_wheel`             a motor's data sheet to the `WheelLoop` of its wheel, with margins
 =======================  =======================================================================
 
+Regulators (`regulators`): `REGULATORS`, a `Regulator` each, and `respond`, what one answers to a sequence.
+
+Processes (`processes`): `PROCESSES`, `RULES`, `tune_process`, the guide `recommend`, `identify_step`, `identify_relay`.
+
 Tables: `CONTROLLERS` of an arm's joints, `BASE_CONTROLLERS`, the parts above, `PATH_LAWS` for bases that roll
 forwards and turn (`path_laws`; a `PathLaw` each), `BALANCE_LAWS` of an inverted pendulum (`balance`; a `BalanceLaw`).
 """
@@ -43,6 +47,27 @@ from holonom.control.margins import LoopMargin
 from holonom.control.methods import BASE_CONTROLLERS, CONTROLLERS, CascadeSettings, ComputedTorqueSettings
 from holonom.control.path_laws.contract import PathLaw
 from holonom.control.path_laws.methods import PATH_LAWS
+from holonom.control.processes import (
+    PROCESSES,
+    RULES,
+    Gains,
+    Guide,
+    Process,
+    Tuning,
+    identify_relay,
+    identify_step,
+    loop_figures,
+    make_process,
+    open_loop,
+    recommend,
+    relay_cycle,
+    sampled_margin,
+    step_info,
+    step_response,
+    tune_process,
+    ultimate_gain,
+)
+from holonom.control.regulators import REGULATORS, Regulator, respond
 from holonom.control.servo.cascade import CascadeGains, DesignWarning, SampleTimes, ServoAxis, design_cascade
 from holonom.control.servo.computed_torque import acceleration_params, greatest_bandwidth
 from holonom.control.servo.kernels import (
@@ -68,6 +93,9 @@ __all__ = [
     "BASE_CONTROLLERS",
     "CONTROLLERS",
     "PATH_LAWS",
+    "PROCESSES",
+    "REGULATORS",
+    "RULES",
     "AccelerationParams",
     "AxisLimits",
     "BalanceLaw",
@@ -77,6 +105,8 @@ __all__ = [
     "CurrentParams",
     "DesignWarning",
     "EstimateSettings",
+    "Gains",
+    "Guide",
     "KeepingSettings",
     "LimitParams",
     "LoopMargin",
@@ -84,10 +114,13 @@ __all__ = [
     "Pendulum",
     "PiParams",
     "PositionParams",
+    "Process",
+    "Regulator",
     "SampleTimes",
     "ServoAxis",
     "SpeedParams",
     "TractionSettings",
+    "Tuning",
     "Violation",
     "WatchSettings",
     "WheelLoop",
@@ -98,10 +131,23 @@ __all__ = [
     "design_cascade",
     "drive_fault",
     "greatest_bandwidth",
+    "identify_relay",
+    "identify_step",
+    "loop_figures",
+    "make_process",
+    "open_loop",
     "pi_start",
     "pi_step",
     "position_step",
+    "recommend",
+    "relay_cycle",
+    "respond",
+    "sampled_margin",
     "speed_step",
+    "step_info",
+    "step_response",
     "torque_to_current",
+    "tune_process",
     "tune_wheel",
+    "ultimate_gain",
 ]

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
+from holonom.devices.motors.cogging import Cogging
 from holonom.devices.motors.dc_motor import DcMotor
+from holonom.devices.motors.induction import InductionMachine, InductionMotor
+from holonom.devices.motors.pmsm import Pmsm
+from holonom.devices.motors.reluctance import SwitchedReluctance
+from holonom.devices.motors.stepper import Stepper
+from holonom.devices.motors.thermal import ThermalModel
+from holonom.devices.power.bridge import PwmBridge
+from holonom.devices.power.limiter import CurrentLimiter
+from holonom.devices.power.supply import Supply
 from holonom.devices.transmission.friction import Friction
 from holonom.devices.transmission.gear import Gear
 from holonom.devices.transmission.lugre import LuGre
@@ -19,6 +28,8 @@ def _itself(sheet: Any) -> Any:
 
 
 _CRAIG = "Craig, Introduction to Robotics, ch. 9"
+_MOHAN = "Mohan, Undeland, Robbins, Power Electronics, 2003; spec 03.1"
+_LEONHARD = "Leonhard, Control of Electrical Drives; spec 03.1"
 
 DEVICES = Table(
     "devices",
@@ -26,6 +37,21 @@ DEVICES = Table(
     "its data sheet, which makes the params of its compiled step",
     {
         "dc_motor": Method("permanent-magnet DC motor with its power stage", _itself, _CRAIG, DcMotor),
+        "pmsm": Method("permanent-magnet synchronous or brushless motor", _itself, _LEONHARD, Pmsm),
+        "stepper": Method("hybrid stepping motor", _itself, "Acarnley, Stepping Motors, 2002; spec 03.1", Stepper),
+        "induction": Method("steady induction motor", _itself, "Kloss 1907; spec 03.1", InductionMotor),
+        "induction_machine": Method("induction motor in space vectors", _itself, _LEONHARD, InductionMachine),
+        "reluctance": Method(
+            "switched reluctance motor",
+            _itself,
+            "Miller, Switched Reluctance Motors, 1993; spec 03.1",
+            SwitchedReluctance,
+        ),
+        "cogging": Method("torque of the slots", _itself, "Hanselman, Brushless Motor Design, 2003, ch. 9", Cogging),
+        "thermal": Method("winding and housing of a motor", _itself, "maxon, Key information; spec 03.1", ThermalModel),
+        "pwm_bridge": Method("bridge of switches", _itself, _MOHAN, PwmBridge),
+        "supply": Method("battery or rectifier with a DC link", _itself, _MOHAN, Supply),
+        "current_limiter": Method("dead band in negative feedback", _itself, "000 3.6.1; spec 03.1", CurrentLimiter),
         "gear": Method("stiff gear without play", _itself, _CRAIG, Gear),
         "friction": Method(
             "viscous and asymmetric Coulomb friction",

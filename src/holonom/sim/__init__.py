@@ -5,12 +5,17 @@
 `World`                surfaces and parts; `Fingers` of a gripper move them
 `BasePlant`            a mobile base on a `Floor` of `Material` with patches; `BaseFault` breaks its motors
 `BaseTruth`            what was true of it
+`Axis`, `Load`         one axis; `simulate_axis` runs it under its servo (of `holonom.closed_loop`)
 `PLANTS`, `SENSORS`    tables of what there is to simulate
 =====================  ===========================================================
 """
 
+from importlib import import_module
+from typing import Any
+
 from holonom.sim.arm.plant import ArmPlant, AxisDrive, Ground
 from holonom.sim.arm.world import Disc, Fingers, Gripper, Surface, World
+from holonom.sim.axis.axis import Axis, Load
 from holonom.sim.base.floor import CARPET, ICE, Floor, Material, RectangularPatch, RoundPatch, Step
 from holonom.sim.base.log import BaseTruth
 from holonom.sim.base.plant import BaseFault, BasePlant
@@ -23,6 +28,7 @@ __all__ = [
     "PLANTS",
     "SENSORS",
     "ArmPlant",
+    "Axis",
     "AxisDrive",
     "BaseFault",
     "BasePlant",
@@ -32,6 +38,7 @@ __all__ = [
     "Floor",
     "Gripper",
     "Ground",
+    "Load",
     "Material",
     "RectangularPatch",
     "RoundPatch",
@@ -39,3 +46,10 @@ __all__ = [
     "Surface",
     "World",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    """`simulate_axis` closes a loop, which nothing here may; this is where one looks for it."""
+    if name == "simulate_axis":
+        return import_module("holonom.closed_loop").simulate_axis
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -23,7 +23,7 @@ class Options:
 
 def run(options: Options) -> Answer:
     """Check a file; raises as `check_file` does."""
-    from holonom.app.check import check_file
+    from holonom.app.start.check import check_file
 
     return check_file(options.file, quiet=options.quiet, allow_outside=options.allow_outside)
 

@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass
 
 from holonom.devices._checks import require
-from holonom.devices.encoders.kernels import COUNTER_SIZE, EncoderParams, TrackingParams
+from holonom.devices.encoders.counters.counter import Counter
+from holonom.devices.encoders.kernels import SERVO_BITS, EncoderParams, TrackingParams
 from holonom.errors import ModelError
 from holonom.registry import check_fields, parameter
 
@@ -35,13 +36,9 @@ class Encoder:
         """One count, rad of the motor shaft."""
         return 2.0 * math.pi / self.counts_per_rev
 
-    def longest_read_interval(self, max_speed: float) -> float:
-        """Time (s) within which the counter has to be read at a motor speed (rad/s): `2^15 / f_max`.
-
-        Half of the counter, not all of it: the difference of two reads carries a sign.
-        """
-        require("Encoder.longest_read_interval", "max_speed", max_speed, above=0.0)
-        return 0.5 * COUNTER_SIZE * self.resolution / max_speed
+    def longest_read_interval(self, max_speed: float, *, counter_bits: int = SERVO_BITS) -> float:
+        """Time (s) within which a counter has to be read at a motor speed (rad/s): `Counter.longest_read_interval`."""
+        return Counter(counter_bits).longest_read_interval(self.counts_per_rev, max_speed)
 
     def speed_resolution(self, interval: float) -> float:
         """Step (rad/s) of the M method, `q / T_s`, at an interval in s."""

@@ -8,10 +8,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from holonom.devices.encoders.counters.counter import unwrap_count, wrap_count
 from holonom.trace.code.loops import loop
 
 __all__ = [
-    "COUNTER_SIZE",
+    "SERVO_BITS",
     "EncoderParams",
     "TrackingParams",
     "TrackingState",
@@ -22,8 +23,8 @@ __all__ = [
     "tracking_step",
 ]
 
-COUNTER_SIZE = 1 << 16
-HALF_COUNTER = COUNTER_SIZE >> 1
+SERVO_BITS = 16
+"""Of the counters of servo axes."""
 
 
 class EncoderParams(NamedTuple):
@@ -53,17 +54,13 @@ class TrackingState(NamedTuple):
 @loop
 def encoder_counter(params: EncoderParams, angle: float) -> int:
     """Content (0 ... 65535) of the 16-bit up/down counter at a motor angle (rad)."""
-    return math.floor(angle * params.counts_per_rad) & (COUNTER_SIZE - 1)
+    return wrap_count(SERVO_BITS, math.floor(angle * params.counts_per_rad))
 
 
 @loop
 def extend_counter(total: int, counter: int) -> int:
-    """64-bit count after a read: the last one plus the signed 16-bit difference (spec 03.3).
-
-    The low 16 bits of `total` are the last read, so `total` is the whole state. Right for any motion of less
-    than 2^15 counts between two reads.
-    """
-    return total + ((counter - total + HALF_COUNTER) & (COUNTER_SIZE - 1)) - HALF_COUNTER
+    """64-bit count after a read of a 16-bit counter: `unwrap_count` (spec 03.3)."""
+    return unwrap_count(SERVO_BITS, total, counter)
 
 
 @loop

@@ -19,6 +19,7 @@ __all__ = [
     "friction_torque",
     "gear_torque",
     "lugre_step",
+    "sliding_speed",
     "stiction_step",
 ]
 
@@ -101,3 +102,18 @@ def gear_torque(params: GearParams, motor_torque: float, motor_speed: float) -> 
     if motor_torque * motor_speed >= 0.0:
         return params.ratio * params.efficiency * motor_torque
     return params.ratio * motor_torque / params.efficiency
+
+
+@loop
+def sliding_speed(speed: float, push: float, positive: float, negative: float, per_torque: float) -> float:
+    """Speed after a step under a torque and Coulomb friction: it stops within the step where friction is enough.
+
+    Exact for one inertia, that `per_torque` = dt / J belongs to; `positive` and `negative` are the magnitudes of
+    Coulomb friction for the two directions. A shaft that stands under less than that keeps standing.
+    """
+    free = speed + per_torque * push
+    if free > per_torque * positive:
+        return free - per_torque * positive
+    if free < -per_torque * negative:
+        return free + per_torque * negative
+    return 0.0

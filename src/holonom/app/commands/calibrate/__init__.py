@@ -1,0 +1,3 @@
+"""The subjects of `holonom calibrate`, one file each."""
+
+__all__: list[str] = []

@@ -1,0 +1,3 @@
+"""`holonom tune`: files that describe what is tuned, and the answers."""
+
+__all__: list[str] = []

@@ -1,0 +1,3 @@
+"""Rules of tuning, one a file: settings, gains, the line of the table."""
+
+__all__: list[str] = []

@@ -1,0 +1,61 @@
+"""What stops a drive, by name."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+__all__ = ["Cause"]
+
+
+class Cause(IntEnum):
+    """Causes of a stop: limits (as `Violation`), faults that a watch finds, checks that fail before the start."""
+
+    LOST_REFERENCE = 1
+    POSITION_LOW = 2
+    POSITION_HIGH = 3
+    FOLLOWING_ERROR = 4
+    OVERSPEED = 5
+    OVERCURRENT = 6
+    LINE_BROKEN = 11
+    CHECKSUM = 12
+    CHANNEL_STUCK = 13
+    ENCODER_DEAD = 14
+    CHANNELS_SWAPPED = 15
+    WRONG_COUNTS = 16
+    EDGES_LOST = 17
+    INDEX_MISSING = 18
+    PHASE_LOST = 19
+    BLOCKED = 20
+    CURRENT_OFFSET = 21
+    SUPPLY = 22
+    POSITION_UNKNOWN = 23
+    BRAKE_SLIPS = 24
+
+    @property
+    def text(self) -> str:
+        """In words."""
+        return _WORDS[self]
+
+
+_WORDS = {
+    Cause.LOST_REFERENCE: "the commanded position is no number",
+    Cause.POSITION_LOW: "below the position limit",
+    Cause.POSITION_HIGH: "above the position limit",
+    Cause.FOLLOWING_ERROR: "the following error exceeds its limit",
+    Cause.OVERSPEED: "the speed exceeds its limit",
+    Cause.OVERCURRENT: "the current exceeds its limit",
+    Cause.LINE_BROKEN: "a line of the encoder is broken or swapped, its receiver says",
+    Cause.CHECKSUM: "the encoder's frames have wrong checksums",
+    Cause.CHANNEL_STUCK: "a channel of the encoder is stuck: the other one has edges alone",
+    Cause.ENCODER_DEAD: "the encoder counts nothing while the back-emf shows motion",
+    Cause.CHANNELS_SWAPPED: "the encoder counts against the back-emf: its channels are swapped",
+    Cause.WRONG_COUNTS: "the encoder has other counts per turn than stated",
+    Cause.EDGES_LOST: "edges of the encoder are lost: the index came at another count",
+    Cause.INDEX_MISSING: "more than a turn without the index",
+    Cause.PHASE_LOST: "the winding carries no current: a phase is open",
+    Cause.BLOCKED: "the motor pushes and nothing turns: the axis is blocked",
+    Cause.CURRENT_OFFSET: "self-check: the current sensor's zero is off",
+    Cause.SUPPLY: "self-check: the supply is outside its range",
+    Cause.POSITION_UNKNOWN: "self-check: counter and potentiometer differ",
+    Cause.BRAKE_SLIPS: "self-check: the shaft turns against its closed brake",
+}

@@ -1,0 +1,350 @@
+"""The drive of one axis, compiled: what is around its loops from power-on to power-off, and what it does about faults.
+
+    OFF -> CHECKING -> RELEASING -> RUNNING -> SLOWING -> CLOSING -> OFF     stop of category 1
+                                              SLOWING -> HOLDING             category 2: it stands powered
+    any -> OFF                                                               category 0: brake and power at once
+    any -> BLIND -> OFF                                                      the encoder is not believed: by back-emf
+
+Signals come in, a voltage, a brake and the power stage's enable go out; the plant it never sees.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from holonom.arrays import Array
+from holonom.control.servo.kernels import LimitParams, axis_violation
+from holonom.control.servo.watch_kernels import (
+    COUNTS,
+    LINE,
+    UNSURE,
+    WINDING,
+    DriveSeen,
+    DriveWatchParams,
+    DriveWatchState,
+    unsuspecting,
+    watch_drive,
+)
+from holonom.devices.encoders.counters.index import IndexParams, IndexState, index_step
+from holonom.machine.axis.kernels import (
+    POSITION_LOOP,
+    AxisServoParams,
+    AxisServoState,
+    axis_servo_step,
+    current_only,
+    powered,
+    standing,
+)
+from holonom.trace.code.loops import loop
+
+__all__ = [
+    "BLIND",
+    "CHECKING",
+    "CLOSING",
+    "HOLDING",
+    "OFF",
+    "RELEASING",
+    "RUNNING",
+    "SLOWING",
+    "AxisDriveParams",
+    "AxisDriveState",
+    "AxisSignals",
+    "CheckParams",
+    "StopParams",
+    "drive_step",
+]
+
+OFF, CHECKING, RELEASING, RUNNING, SLOWING, CLOSING, HOLDING, BLIND = 0, 1, 2, 3, 4, 5, 6, 7
+"""Phases."""
+OFFSET, SUPPLY, POSITION, BRAKE = 21, 22, 23, 24
+"""Failed checks, beside the causes of `watch_drive`."""
+SPEED, CURRENT = 5, 6
+"""Of `axis_violation`."""
+NONE = -1
+"""No stop is asked for."""
+OTHER_COUNTS = 100  # of a turn, one part that is missing: no lost edges, another encoder
+USUAL = 0.02  # of the usual current, each look
+CONDUCTS = 0.2  # part by which the test current may be off
+
+
+class AxisSignals(NamedTuple):
+    """What the drive reads.
+
+    Count, edges of A and B, index pulses and the count at the last one since power-on; the receivers' word and the
+    frame's checksum (0: well); A; the supply, V; the potentiometer, rad at the motor.
+    """
+
+    counts: int
+    edges_a: int
+    edges_b: int
+    pulses: int
+    index_count: int
+    line_fault: int
+    bad_frame: int
+    current: float
+    supply: float
+    potentiometer: float
+
+
+class CheckParams(NamedTuple):
+    """Self-check.
+
+    Steps of the current's zero and of the test torque; greatest zero, A; supply, V; test current, A; counts that a
+    shaft may turn against its brake; what counter and potentiometer may differ by, rad.
+    """
+
+    zero_steps: int
+    torque_steps: int
+    greatest_zero: float
+    least_supply: float
+    most_supply: float
+    current: float
+    turns: int
+    apart: float
+
+
+class StopParams(NamedTuple):
+    """Stops.
+
+    Part by which the path slows down each position sample, and how many there are in a second; steps until the brake
+    has opened, until it has closed, and until an axis has settled; A per rad/s of the brake by back-emf, speed (rad/s)
+    below which it has ended.
+    """
+
+    slowing: float
+    samples: float
+    opening: int
+    closing: int
+    settling: int
+    emf_gain: float
+    slow: float
+
+
+class AxisDriveParams(NamedTuple):
+    """Params of `drive_step`. `hold` is the current (A) that the model says carries the load at rest."""
+
+    servo: AxisServoParams
+    watch: DriveWatchParams
+    index_params: IndexParams
+    limits: LimitParams
+    check: CheckParams
+    stop: StopParams
+    hold: float
+    supervised: bool
+
+
+class AxisDriveState(NamedTuple):
+    """State of a drive.
+
+    Attributes
+    ----------
+    servo, watch, index_state
+        Of its parts.
+    phase, steps
+        Where it is between power-on and power-off, and for how many steps.
+    place, rate, held, category
+        On the path: samples, how fast it is gone along, angle that is held before it (rad); category of its stop.
+    voltages, currents
+        Sums since the last look.
+    usual, zero
+        The current that the load usually takes; what the shunt shows without any, A.
+    checked, checked_count
+        Of the self-check: sum, and count at its start.
+    brake, power
+        What goes out beside the voltage: 1, told to close; 1, on.
+    found, first
+        All that was found, a bit for each cause, and the first.
+    """
+
+    servo: AxisServoState
+    watch: DriveWatchState
+    index_state: IndexState
+    phase: int
+    steps: int
+    place: float
+    rate: float
+    held: float
+    category: int
+    voltages: float
+    currents: float
+    usual: float
+    zero: float
+    checked: float
+    checked_count: int
+    brake: int
+    power: int
+    found: int
+    first: int
+
+
+@loop(error_model="numpy", forceinline=True)
+def drive_step(
+    params: AxisDriveParams, state: AxisDriveState, k: int, seen: AxisSignals, reference: Array, asked: int
+) -> AxisDriveState:
+    """One step of the current loop; `servo.voltage`, `brake` and `power` of what comes back act until the next one.
+
+    Parameters
+    ----------
+    params, state
+        Of this drive.
+    k
+        Steps before.
+    seen
+        What is measured.
+    reference
+        (3, n) at the motor, a sample each of the position loop: position, speed, acceleration; or, by the outermost
+        loop, speeds, currents.
+    asked
+        Category of the stop that is asked for, `NONE` without.
+    """
+    p, s = params, state
+    current = seen.current - s.zero
+    found, looked = _look(p, s, k, seen, current, reference)
+    watch, index, voltages, currents, usual = looked
+    phase, zero, checked, checked_count, held = s.phase, s.zero, s.checked, s.checked_count, s.held
+    if phase == CHECKING:
+        phase, found, zero, checked, checked_count = _check(p.check, s, seen, current)
+        held = s.servo.angle
+        if phase == RELEASING:  # the shaft stands: all of the voltage is the resistance's
+            watch = unsuspecting(watch, s.servo.voltage / current)
+    phase, category = _react(phase, s.category, found, asked)
+    steps = s.steps + 1 if phase == s.phase else 0
+    phase = _goes_on(p.stop, phase, steps, s.rate, category, abs(watch.emf) - watch.allowed)
+    steps = steps if phase == s.phase else 0
+    servo = _act(p, s, phase, steps, k, seen.counts, current, watch.emf, reference)
+    place, rate = s.place, s.rate
+    if k % p.servo.position_samples == p.servo.position_samples - 1:
+        rate = 1.0 if phase == RUNNING else max(rate - p.stop.slowing, 0.0) if phase == SLOWING else 0.0
+        place = min(place + rate, reference.shape[1] - 1.0)
+    named = found if found != UNSURE else 0
+    brake = 1 if phase in (OFF, CHECKING, CLOSING, BLIND) else 0
+    power = 0 if phase == OFF or (phase == CHECKING and steps < p.check.zero_steps) else 1
+    return AxisDriveState(
+        servo, watch, index, phase, steps, place, rate, held, category, voltages, currents, usual, zero, checked,
+        checked_count, brake, power, s.found | (1 << named if named != 0 else 0), s.first if s.first != 0 else named,
+    )  # fmt: skip
+
+
+@loop(error_model="numpy", forceinline=True)
+def _look(
+    params: AxisDriveParams, state: AxisDriveState, k: int, seen: AxisSignals, current: float, reference: Array
+) -> tuple[int, tuple[DriveWatchState, IndexState, float, float, float]]:
+    """What is wrong at this step (0: nothing): once each sample of the speed loop, from means since the last one."""
+    p, s = params, state
+    voltages, currents, usual = s.voltages + s.servo.voltage, s.currents + current, s.usual
+    if not p.supervised or k % p.servo.speed_samples != 0:
+        return 0, (s.watch, s.index_state, voltages, currents, usual)
+    index = index_step(p.index_params, s.index_state, seen.counts, seen.pulses, seen.index_count)
+    off = 1 if index.fault == 0 and abs(index.total_lost) > 1 else index.fault
+    off = 3 if off == 1 and abs(index.lost) * OTHER_COUNTS > p.index_params.counts_per_rev else off
+    n = float(p.servo.speed_samples)
+    mean = (currents + 0.5 * (s.watch.current - current)) / n
+    means = DriveSeen(
+        seen.counts, seen.edges_a, seen.edges_b, off, seen.line_fault, seen.bad_frame, voltages / n, mean, current,
+        s.servo.current_reference, usual,
+    )  # fmt: skip
+    watch = watch_drive(p.watch, s.watch, means)
+    usual += USUAL * (mean - usual) if watch.differs == 0 and s.phase != BLIND else 0.0
+    found = watch.cause if s.power == 1 and s.phase != CHECKING and (s.phase != BLIND or s.first == 0) else 0
+    if found == 0 and s.phase == RUNNING and k % p.servo.position_samples == 0:
+        wanted = s.servo.angle if p.servo.outer != POSITION_LOOP else _at(reference, s.place, 0)
+        found = axis_violation(p.limits, wanted, s.servo.angle, s.servo.rate, current)
+    return found, (watch, index, 0.0, 0.0, usual)
+
+
+@loop(error_model="numpy", forceinline=True)
+def _react(phase: int, category: int, found: int, asked: int) -> tuple[int, int]:
+    """Phase and category of its stop after what was found, and what is asked for."""
+    if found != 0:
+        reaction = _reaction(found)
+        if reaction == OFF or (reaction == BLIND and phase != OFF) or (reaction == SLOWING and phase == RUNNING):
+            phase, category = reaction, 1
+    if asked != NONE and phase in (RUNNING, HOLDING, RELEASING):
+        phase, category = (OFF if asked == 0 else SLOWING), asked
+    return phase, category
+
+
+@loop(error_model="numpy", forceinline=True)
+def _act(
+    params: AxisDriveParams, state: AxisDriveState, phase: int, steps: int, k: int, count: int, current: float,
+    emf: float, reference: Array,
+) -> AxisServoState:  # fmt: skip
+    """The loops in a phase."""
+    p, s = params, state
+    if phase == OFF or (phase == CHECKING and steps < p.check.zero_steps):
+        return standing(p.servo, s.servo, count)
+    if phase == CHECKING:
+        second = steps >= p.check.zero_steps + p.check.torque_steps // 2
+        return current_only(p.servo, s.servo, -p.check.current if second else p.check.current, current)
+    if phase == BLIND:
+        most, brakes = p.watch.max_current, s.usual - p.stop.emf_gain * emf
+        return current_only(p.servo, s.servo, min(max(brakes, -most), most), current)
+    if phase == RELEASING:
+        servo = powered(s.servo, p.hold) if steps == 0 else s.servo
+        return axis_servo_step(p.servo, servo, k, count, current, s.held, 0.0, 0.0)
+    r = _at(reference, s.place, 0)
+    v, a = s.rate * _at(reference, s.place, 1), s.rate * s.rate * _at(reference, s.place, 2)
+    if p.servo.outer != POSITION_LOOP:
+        r, v, a = s.rate * r, s.rate * r, v
+    if phase == SLOWING:
+        a -= p.stop.slowing * p.stop.samples * v
+    return axis_servo_step(p.servo, s.servo, k, count, current, r, v, a)
+
+
+@loop(error_model="numpy", forceinline=True)
+def _at(reference: Array, place: float, row: int) -> float:
+    """A row of the reference at a place between its samples."""
+    k = int(place)
+    after = min(k + 1, reference.shape[1] - 1)
+    return float(reference[row, k] + (place - k) * (reference[row, after] - reference[row, k]))
+
+
+@loop(error_model="numpy", forceinline=True)
+def _reaction(cause: int) -> int:
+    """Phase that a cause leads to: an open winding cannot brake; what the encoder says is not believed, or it is."""
+    if cause == WINDING or cause >= OFFSET:
+        return OFF
+    return BLIND if UNSURE <= cause <= COUNTS or cause in (SPEED, CURRENT, BLOCKED) else SLOWING
+
+
+@loop(error_model="numpy", forceinline=True)
+def _goes_on(stop: StopParams, phase: int, steps: int, rate: float, category: int, emf: float) -> int:
+    """The phase after one that has come to its end."""
+    if phase == RELEASING and steps >= stop.opening + stop.settling:
+        return RUNNING
+    if phase == SLOWING and rate <= 0.0 and steps >= stop.settling:
+        return HOLDING if category == 2 else CLOSING
+    if phase == CLOSING and steps >= stop.closing + stop.settling:
+        return OFF
+    if phase == BLIND and steps >= stop.closing and emf < stop.slow:
+        return OFF
+    return phase
+
+
+@loop(error_model="numpy", forceinline=True)
+def _check(
+    check: CheckParams, state: AxisDriveState, seen: AxisSignals, current: float
+) -> tuple[int, int, float, float, int]:
+    """Self-check with the brake closed: phase, failed check (0: none), current's zero, sum, count at the start."""
+    s, step, half = state, state.steps, check.torque_steps // 2
+    if step == 0 and seen.line_fault != 0:
+        return OFF, LINE, s.zero, 0.0, seen.counts
+    if step < check.zero_steps:
+        return CHECKING, 0, s.zero, s.checked + seen.current, seen.counts
+    if step == check.zero_steps:
+        zero = s.checked / check.zero_steps
+        if not abs(zero) <= check.greatest_zero:
+            return OFF, OFFSET, zero, 0.0, seen.counts
+        if not check.least_supply <= seen.supply <= check.most_supply:
+            return OFF, SUPPLY, zero, 0.0, seen.counts
+        if not abs(seen.potentiometer - s.servo.angle) <= check.apart:
+            return OFF, POSITION, zero, 0.0, seen.counts
+        return CHECKING, 0, zero, 0.0, seen.counts
+    tested = step - check.zero_steps
+    if tested == half or tested == check.torque_steps:
+        wanted = check.current if tested == half else -check.current
+        if not abs(current - wanted) <= CONDUCTS * check.current:
+            return OFF, WINDING, s.zero, 0.0, s.checked_count
+        if abs(seen.counts - s.checked_count) > check.turns:
+            return OFF, BRAKE, s.zero, 0.0, s.checked_count
+    return (RELEASING if tested >= check.torque_steps else CHECKING), 0, s.zero, 0.0, s.checked_count
