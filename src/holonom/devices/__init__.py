@@ -11,6 +11,7 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 `SwitchedReluctance`    its switching angles, by speed and current; `check_angles`
 `Cogging`               torque of the slots, and the dead band that it makes
 `ThermalModel`          winding and housing: duty, time to a limit, largest continuous current
+`Brake`                 holds without power, with its delays
 `PwmBridge`             ripple, dead time; `Supply` sags; `CurrentLimiter` with a dead band
 `Gear`                  signed ratio, efficiency
 `Friction`              viscous and asymmetric Coulomb
@@ -36,6 +37,7 @@ Compiled steps over scalars (`kernels.py` of each room), for a loop that keeps t
 `stepper_step`          rotor on its field
 `induction_step`        fluxes and torque, exact
 `reluctance_step`       flux of a phase
+`brake_step`            told to close or open, does it hold
 `bridge_voltage`        voltage asked for to voltage at the motor
 `supply_step`           voltage of the DC link, exact
 `limiter_voltage`       what a current limiter leaves of a voltage
@@ -170,6 +172,7 @@ from holonom.devices.motors.sheet_check import Finding, SheetCheck, check_sheet
 from holonom.devices.motors.six_step import SixStep, SixStepParams, hall_sector, six_step_step, six_step_torque
 from holonom.devices.motors.stepper import Stepper, StepperParams, StepperState, stepper_step, stepper_torque
 from holonom.devices.motors.thermal import Temperatures, ThermalModel, ThermalParams, thermal_step
+from holonom.devices.power.brake import Brake, BrakeParams, BrakeState, brake_step
 from holonom.devices.power.bridge import BridgeParams, PwmBridge, bridge_voltage
 from holonom.devices.power.limiter import CurrentLimiter, LimiterParams, limiter_voltage
 from holonom.devices.power.supply import Supply, SupplyParams, supply_step
@@ -203,6 +206,9 @@ __all__ = [
     "AngleTable",
     "ArmatureParams",
     "BissFrame",
+    "Brake",
+    "BrakeParams",
+    "BrakeState",
     "BridgeParams",
     "CaptureParams",
     "Cogging",
@@ -296,6 +302,7 @@ __all__ = [
     "TrackingParams",
     "TrackingState",
     "armature_step",
+    "brake_step",
     "bridge_voltage",
     "capture_edges",
     "capture_params",

@@ -15,6 +15,7 @@ from typing import NamedTuple
 from holonom.arrays import Array
 from holonom.control.servo.kernels import LimitParams, axis_violation
 from holonom.control.servo.watch_kernels import (
+    BLOCKED,
     COUNTS,
     LINE,
     UNSURE,

@@ -59,8 +59,9 @@ class AxisServoParams(NamedTuple):
 
 
 class AxisServoState(NamedTuple):
-    """What it remembers; `offset` is the homed count where the counter is at zero; `next_` is computed and waits for its
-    sample.
+    """What it remembers.
+
+    `offset` is the homed count where the counter is at zero; `next_` is computed and waits for its sample.
     """
 
     offset: int

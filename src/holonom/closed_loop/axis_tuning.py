@@ -1,0 +1,288 @@
+"""`tune_axis`: gains of an axis from its sheets, and what they do in a whole simulation."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from holonom.arrays import Array
+from holonom.closed_loop.axis import AxisRun, simulate_axis
+from holonom.control import CascadeGains, DesignWarning, LoopMargin, SampleTimes, design_cascade
+from holonom.devices.motors.thermal import ThermalModel
+from holonom.errors import ModelError, OutOfLimits
+from holonom.registry import check_fields, parameter
+from holonom.sim.axis.axis import Axis
+
+__all__ = ["AxisLoop", "AxisTuning", "Verified", "WantedAxis", "tune_axis"]
+
+DELAY = 1.5  # samples: computing and hold
+WITNESS = 0.02  # part of the no-load speed that one count of a look may be, for a watch that tells faults in 5 ms
+SETTLED = 0.02  # part of a step within which it has settled
+
+
+@dataclass(frozen=True, slots=True)
+class WantedAxis:
+    """What an axis is to do, at the joint.
+
+    Raises
+    ------
+    ModelError
+        A number outside its range.
+    """
+
+    step: float = parameter(1.0, meaning="of the position, with which the gains are tried", unit="rad", above=0.0)
+    speed: float | None = parameter(None, meaning="greatest; by default nine tenths of the no-load speed", unit="rad/s")
+    acceleration: float | None = parameter(None, meaning="by default half of what the current gives", unit="rad/s2")
+    overshoot_percent: float = parameter(1.0, meaning="of the step, at most", least=0.0)
+    settling_time: float | None = parameter(None, meaning="of the step to 2 %, at most", unit="s")
+    following_error: float | None = parameter(None, meaning="of a move, at most", unit="rad")
+
+    def __post_init__(self) -> None:
+        check_fields(self, ModelError)
+        for name in ("speed", "acceleration", "settling_time", "following_error"):
+            value = getattr(self, name)
+            if value is not None and not 0.0 < value < math.inf:
+                raise ModelError(f"WantedAxis: {name} is {value!r}; it must be finite and greater than 0")
+
+
+@dataclass(frozen=True, slots=True)
+class AxisLoop:
+    """A loop: form; `Kc` in V/A, A s/rad (motor), 1/s; `Ti`, `Td` in s, None where it has none; margins; delay, s."""
+
+    form: Literal["PI", "P"]
+    Kc: float
+    Ti: float | None
+    Td: float | None
+    margin: LoopMargin
+    delay: float
+
+
+@dataclass(frozen=True, slots=True)
+class Verified:
+    """What a simulation with quantised angles, friction, backlash, limits and delays shows.
+
+    Attributes
+    ----------
+    overshoot_percent, settling_time, end_error
+        Of the step: percent, s to 2 %, rad at the joint.
+    following_error
+        Largest of a move over the step with the wanted speed and acceleration, derivatives fed forward, rad.
+    peak_current, peak_voltage
+        Of the move, A and V.
+    winding_temperature
+        With the move there and back for ever without a pause, degC; None where the sheet has no thermal numbers,
+        infinite where it never settles.
+    position_ripple
+        Peak to peak at rest, rad at the joint.
+    """
+
+    overshoot_percent: float
+    settling_time: float
+    end_error: float
+    following_error: float
+    peak_current: float
+    peak_voltage: float
+    winding_temperature: float | None
+    position_ripple: float
+
+
+@dataclass(frozen=True, slots=True)
+class AxisTuning:
+    """Gains, loops by name (current, speed, position), what a simulation shows, warnings; the two runs it shows it by."""
+
+    axis: Axis
+    gains: CascadeGains
+    loops: dict[str, AxisLoop]
+    verified: Verified
+    warnings: tuple[DesignWarning, ...]
+    step: AxisRun
+    move: AxisRun
+
+
+def tune_axis(
+    axis: Axis,
+    *,
+    times: SampleTimes | None = None,
+    wanted: WantedAxis = WantedAxis(),
+    thermal: ThermalModel | None = None,
+) -> AxisTuning:
+    """Gains of all loops from motor, gear, load and encoder, tried in a simulation.
+
+    Parameters
+    ----------
+    axis
+        What is tuned.
+    times
+        Sample times; 0.1, 0.5, 1 ms unless given.
+    wanted
+        What it is to do.
+    thermal
+        Of its motor.
+
+    Raises
+    ------
+    OutOfLimits
+        A speed that the supply does not give, an acceleration that the current does not give; with what is possible.
+    """
+    speed, acceleration = _possible(axis, wanted)
+    axis = dataclasses.replace(axis, max_speed=speed)
+    gains = design_cascade(axis.servo_axis(), times=times)
+    loops = _loops(gains)
+    step = _step(axis, gains, wanted.step)
+    move = _move(axis, gains, wanted.step, speed, acceleration)
+    verified = _verified(axis, wanted.step, step, move, thermal)
+    warnings = (*gains.warnings, *_encoder_warnings(axis, gains), *_unmet(wanted, verified), *_hot(verified, thermal))
+    return AxisTuning(axis, gains, loops, verified, warnings, step, move)
+
+
+def _possible(axis: Axis, wanted: WantedAxis) -> tuple[float, float]:
+    """Speed (rad/s) and acceleration (rad/s2) at the joint."""
+    m, ratio = axis.motor, abs(axis.gear.ratio)
+    rubbing, load = axis.known_friction, abs(axis.load.torque) / ratio / axis.gear.efficiency
+    torque = m.torque_constant * m.max_current - max(rubbing.coulomb_positive, rubbing.coulomb_negative) - load
+    mean = 0.5 * (1.0 / axis.gear.efficiency + axis.gear.efficiency)
+    most = torque / (m.rotor_inertia + mean * axis.load_inertia) / ratio
+    if most <= 0.0:
+        raise OutOfLimits(
+            f"the current limit of {m.max_current:g} A gives {m.torque_constant * m.max_current:.4g} N m, less than "
+            "friction and load take: this axis does not move; allow more current, or a higher ratio"
+        )
+    top = m.max_voltage / m.back_emf_constant / ratio
+    speed = 0.9 * top if wanted.speed is None else wanted.speed
+    acceleration = 0.5 * most if wanted.acceleration is None else wanted.acceleration
+    if speed >= top:
+        raise OutOfLimits(f"speed is {speed:g} rad/s; {m.max_voltage:g} V give less than {top:.5g} rad/s at the joint")
+    if acceleration >= most:
+        raise OutOfLimits(
+            f"acceleration is {acceleration:g} rad/s2; {m.max_current:g} A give at most {most:.5g} rad/s2 at the joint"
+        )
+    return speed, acceleration
+
+
+def _loops(gains: CascadeGains) -> dict[str, AxisLoop]:
+    c, s, p, times = gains.current, gains.speed, gains.position, gains.times
+    return {
+        "current": AxisLoop(
+            "PI", c.gain, c.gain * times.current / c.integral_gain, None, gains.current_margin, DELAY * times.current
+        ),
+        "speed": AxisLoop(
+            "PI", s.gain, s.gain * times.speed / s.integral_gain, None, gains.speed_margin, DELAY * times.speed
+        ),
+        "position": AxisLoop("P", p.gain, None, None, gains.position_margin, DELAY * times.position),
+    }
+
+
+def _step(axis: Axis, gains: CascadeGains, size: float) -> AxisRun:
+    """A step of the position, for as long as it takes, ten time constants of the loop, and 0.2 s."""
+    speed = axis.max_speed or math.inf
+    brakes = gains.position.max_braking / abs(axis.gear.ratio)
+    lasts = size / speed + 2.0 * math.sqrt(size / brakes) + 10.0 / gains.position.gain + 0.2
+    samples = math.ceil(lasts / gains.times.position)
+    return simulate_axis(axis, gains, np.full(samples, size))
+
+
+def _move(axis: Axis, gains: CascadeGains, size: float, speed: float, acceleration: float) -> AxisRun:
+    """There and back by trapezoids of the speed, derivatives fed forward."""
+    there = trapezoid(size, speed, acceleration, gains.times.position)
+    back = np.stack([size - there[0], -there[1], -there[2]])
+    return simulate_axis(axis, gains, np.concatenate([there, back], axis=1))
+
+
+def trapezoid(size: float, speed: float, acceleration: float, dt: float) -> Array:
+    """Position, speed, acceleration (3, n) of a move with limits, a sample each `dt` (s); triangular where it is short."""
+    peak = min(speed, math.sqrt(size * acceleration))
+    ramp, lasts = peak / acceleration, peak / acceleration + size / peak
+    t = np.minimum(dt * np.arange(math.ceil(lasts / dt) + 1), lasts)
+    left, cruise = lasts - t, np.clip(t - ramp, 0.0, lasts - 2.0 * ramp)
+    s = np.where(t < ramp, 0.5 * acceleration * t**2, 0.5 * peak * ramp + peak * cruise)
+    s = np.where(left < ramp, size - 0.5 * acceleration * left**2, s)
+    v = np.minimum(np.minimum(acceleration * t, acceleration * left), peak)
+    a = np.where(t < ramp, acceleration, 0.0) - np.where((left < ramp) & (left > 0.0), acceleration, 0.0)
+    return np.stack([s, v, a])
+
+
+def _verified(axis: Axis, size: float, step: AxisRun, move: AxisRun, thermal: ThermalModel | None) -> Verified:
+    outside = np.flatnonzero(np.abs(step.position - size) > SETTLED * size)
+    at_rest = step.position[-round(0.1 / (step.time[1] - step.time[0])) :]
+    temperature = None
+    if thermal is not None:
+        rms = math.sqrt(float(move.square_current.mean()))
+        try:
+            temperature = thermal.settled(rms).winding
+        except OutOfLimits:
+            temperature = math.inf
+    return Verified(
+        overshoot_percent=100.0 * max(float(step.position.max()) / size - 1.0, 0.0),
+        settling_time=float(step.time[outside[-1]] if len(outside) else 0.0),
+        end_error=float(abs(step.position[-1] - size)),
+        following_error=float(np.abs(move.position - move.reference).max()),
+        peak_current=float(np.abs(move.current).max()),
+        peak_voltage=float(np.abs(move.voltage).max()),
+        winding_temperature=temperature,
+        position_ripple=float(np.ptp(at_rest)),
+    )
+
+
+def _encoder_warnings(axis: Axis, gains: CascadeGains) -> list[DesignWarning]:
+    found, counts = [], axis.encoder.counts_per_rev
+    if gains.speed_limited_by == "encoder resolution":
+        fine = design_cascade(dataclasses.replace(axis.servo_axis(), counts_per_rev=1e9), times=gains.times)
+        asked = fine.speed_margin.crossover
+        needed = math.ceil(counts * (asked / gains.speed_margin.crossover) ** 2)
+        found.append(
+            DesignWarning(
+                "encoder_resolution",
+                f"{counts} counts per turn slow the speed loop to {gains.speed_margin.crossover:.4g} rad/s; its sampling "
+                f"bears {asked:.4g} rad/s, for which {needed} counts are needed",
+                float(counts),
+                float(needed),
+            )
+        )
+    top = axis.motor.max_voltage / axis.motor.back_emf_constant
+    needed = math.ceil(2.0 * math.pi / (WITNESS * top * gains.times.speed))
+    if counts < needed:
+        found.append(
+            DesignWarning(
+                "encoder_supervision",
+                f"one count in a sample of the speed loop is more than {100 * WITNESS:g} % of the no-load speed: faults of "
+                f"the encoder are found later than within 5 ms; {needed} counts per turn are needed",
+                float(counts),
+                float(needed),
+            )
+        )
+    return found
+
+
+def _unmet(wanted: WantedAxis, verified: Verified) -> list[DesignWarning]:
+    """What was wanted and does not come out."""
+    limits = {
+        "overshoot_percent": (wanted.overshoot_percent, "%"),
+        "settling_time": (wanted.settling_time, "s"),
+        "following_error": (wanted.following_error, "rad"),
+    }
+    return [
+        DesignWarning(
+            f"wanted_{name}", f"{name} is {value:.4g} {unit}; at most {limit:g} {unit} are wanted", value, float(limit)
+        )
+        for name, (limit, unit) in limits.items()
+        if limit is not None and (value := getattr(verified, name)) > limit
+    ]
+
+
+def _hot(verified: Verified, thermal: ThermalModel | None) -> list[DesignWarning]:
+    hottest = verified.winding_temperature
+    if thermal is None or hottest is None or hottest <= thermal.limit:
+        return []
+    return [
+        DesignWarning(
+            "winding_temperature",
+            f"moving there and back without a pause, the winding gets {hottest:.4g} degC hot; {thermal.limit:g} degC are "
+            "allowed: move more slowly, or pause",
+            hottest,
+            thermal.limit,
+        )
+    ]
