@@ -280,8 +280,8 @@ def _hot(verified: Verified, thermal: ThermalModel | None) -> list[DesignWarning
     return [
         DesignWarning(
             "winding_temperature",
-            f"moving there and back without a pause, the winding gets {hottest:.4g} degC hot; {thermal.limit:g} degC are "
-            "allowed: move more slowly, or pause",
+            f"moving there and back without a pause, the winding gets {hottest:.4g} degC hot; {thermal.limit:g} degC "
+            "are allowed: move more slowly, or pause",
             hottest,
             thermal.limit,
         )
