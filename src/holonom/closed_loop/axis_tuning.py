@@ -92,7 +92,7 @@ class Verified:
 
 @dataclass(frozen=True, slots=True)
 class AxisTuning:
-    """Gains, loops by name (current, speed, position), what a simulation shows, warnings; the two runs it shows it by."""
+    """Gains, loops by name (current, speed, position), what a simulation shows, warnings; the runs of step and move."""
 
     axis: Axis
     gains: CascadeGains
@@ -193,7 +193,7 @@ def _move(axis: Axis, gains: CascadeGains, size: float, speed: float, accelerati
 
 
 def trapezoid(size: float, speed: float, acceleration: float, dt: float) -> Array:
-    """Position, speed, acceleration (3, n) of a move with limits, a sample each `dt` (s); triangular where it is short."""
+    """Position, speed, acceleration (3, n) of a move with limits, a sample each `dt` (s)."""
     peak = min(speed, math.sqrt(size * acceleration))
     ramp, lasts = peak / acceleration, peak / acceleration + size / peak
     t = np.minimum(dt * np.arange(math.ceil(lasts / dt) + 1), lasts)
@@ -236,8 +236,8 @@ def _encoder_warnings(axis: Axis, gains: CascadeGains) -> list[DesignWarning]:
         found.append(
             DesignWarning(
                 "encoder_resolution",
-                f"{counts} counts per turn slow the speed loop to {gains.speed_margin.crossover:.4g} rad/s; its sampling "
-                f"bears {asked:.4g} rad/s, for which {needed} counts are needed",
+                f"{counts} counts per turn slow the speed loop to {gains.speed_margin.crossover:.4g} rad/s; its "
+                f"sampling bears {asked:.4g} rad/s, for which {needed} counts are needed",
                 float(counts),
                 float(needed),
             )
@@ -248,8 +248,8 @@ def _encoder_warnings(axis: Axis, gains: CascadeGains) -> list[DesignWarning]:
         found.append(
             DesignWarning(
                 "encoder_supervision",
-                f"one count in a sample of the speed loop is more than {100 * WITNESS:g} % of the no-load speed: faults of "
-                f"the encoder are found later than within 5 ms; {needed} counts per turn are needed",
+                f"one count in a sample of the speed loop is more than {100 * WITNESS:g} % of the no-load speed: faults "
+                f"of the encoder are found later than within 5 ms; {needed} counts per turn are needed",
                 float(counts),
                 float(needed),
             )
