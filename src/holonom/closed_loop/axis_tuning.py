@@ -248,8 +248,8 @@ def _encoder_warnings(axis: Axis, gains: CascadeGains) -> list[DesignWarning]:
         found.append(
             DesignWarning(
                 "encoder_supervision",
-                f"one count in a sample of the speed loop is more than {100 * WITNESS:g} % of the no-load speed: faults "
-                f"of the encoder are found later than within 5 ms; {needed} counts per turn are needed",
+                f"one count in a sample of the speed loop is more than {100 * WITNESS:g} % of the no-load speed: "
+                f"faults of the encoder are found later than within 5 ms; {needed} counts per turn are needed",
                 float(counts),
                 float(needed),
             )
