@@ -21,6 +21,10 @@ __all__ = ["AxisLoop", "AxisTuning", "Verified", "WantedAxis", "tune_axis"]
 
 DELAY = 1.5  # samples: computing and hold
 WITNESS = 0.02  # part of the no-load speed that one count of a look may be, for a watch that tells faults in 5 ms
+RESERVE = 1.1  # speed that the position loop may ask for, to make up for what is lacking
+HEADROOM = 0.9  # part of the speed that supply and acceleration allow, by default
+LOADED = 0.2  # part of the current that friction and load may take, beside the acceleration's
+LEAST_PART = 0.1  # of the no-load speed
 SETTLED = 0.02  # part of a step within which it has settled
 
 
@@ -35,7 +39,9 @@ class WantedAxis:
     """
 
     step: float = parameter(1.0, meaning="of the position, with which the gains are tried", unit="rad", above=0.0)
-    speed: float | None = parameter(None, meaning="greatest; by default nine tenths of the no-load speed", unit="rad/s")
+    speed: float | None = parameter(
+        None, meaning="greatest; by default what supply and acceleration leave", unit="rad/s"
+    )
     acceleration: float | None = parameter(None, meaning="by default half of what the current gives", unit="rad/s2")
     overshoot_percent: float = parameter(1.0, meaning="of the step, at most", least=0.0)
     settling_time: float | None = parameter(None, meaning="of the step to 2 %, at most", unit="s")
@@ -129,7 +135,7 @@ def tune_axis(
         A speed that the supply does not give, an acceleration that the current does not give; with what is possible.
     """
     speed, acceleration = _possible(axis, wanted)
-    axis = dataclasses.replace(axis, max_speed=speed)
+    axis = dataclasses.replace(axis, max_speed=RESERVE * speed)
     gains = design_cascade(axis.servo_axis(), times=times)
     loops = _loops(gains)
     step = _step(axis, gains, wanted.step)
@@ -152,8 +158,8 @@ def _possible(axis: Axis, wanted: WantedAxis) -> tuple[float, float]:
             "friction and load take: this axis does not move; allow more current, or a higher ratio"
         )
     top = m.max_voltage / m.back_emf_constant / ratio
-    speed = 0.9 * top if wanted.speed is None else wanted.speed
     acceleration = 0.5 * most if wanted.acceleration is None else wanted.acceleration
+    speed = HEADROOM * _drivable(axis, acceleration / most) if wanted.speed is None else wanted.speed
     if speed >= top:
         raise OutOfLimits(f"speed is {speed:g} rad/s; {m.max_voltage:g} V give less than {top:.5g} rad/s at the joint")
     if acceleration >= most:
@@ -161,6 +167,13 @@ def _possible(axis: Axis, wanted: WantedAxis) -> tuple[float, float]:
             f"acceleration is {acceleration:g} rad/s2; {m.max_current:g} A give at most {most:.5g} rad/s2 at the joint"
         )
     return speed, acceleration
+
+
+def _drivable(axis: Axis, part: float) -> float:
+    """Joint speed (rad/s) up to which the supply drives a part of the greatest acceleration."""
+    m = axis.motor
+    drops = m.resistance * m.max_current * (part + (1.0 - part) * LOADED)
+    return max(m.max_voltage - drops, LEAST_PART * m.max_voltage) / m.back_emf_constant / abs(axis.gear.ratio)
 
 
 def _loops(gains: CascadeGains) -> dict[str, AxisLoop]:

@@ -41,6 +41,7 @@ INDUCTANCE_ERROR = 0.12  # part by which an inductance may
 PATIENCE = 3  # looks
 EDGES, WINDOW = 8, 10  # edges of one channel alone within so many looks
 BAD_FRAMES = 3
+LOOP_DELAY = 1.5  # samples: computing and hold
 ZERO_TIME, TORQUE_TIME = 0.01, 0.025  # s of the self-check: the shunt's zero, the test torque each way
 
 
@@ -66,7 +67,7 @@ class DriveSettings:
     )
     lower: float = parameter(-math.inf, meaning="position limit, motor", unit="rad", least=-math.inf)
     upper: float = parameter(math.inf, meaning="position limit, motor", unit="rad", most=math.inf)
-    trip: float = parameter(1.1, meaning="part of greatest speed at which it stops", above=1.0)
+    trip: float = parameter(1.3, meaning="part of greatest speed at which it stops", above=1.0)
     stop_time: float = parameter(
         0.2, meaning="in which a path comes to its end in a controlled stop", unit="s", above=0.0
     )
@@ -139,6 +140,8 @@ def _servo_params(
         speed_samples=inner,
         position_samples=inner * _multiple("position", times.position, times.speed),
         outer=OUTER[loop],
+        speed_lead=LOOP_DELAY if loop == "position" else 0.0,
+        acceleration_lead=LOOP_DELAY * times.speed / times.position,
         following=gains.speed.integral_gain / gains.speed.gain if prefilter else 1.0,
     )
 

@@ -284,7 +284,8 @@ def _act(
         servo = powered(s.servo, p.hold) if steps == 0 else s.servo
         return axis_servo_step(p.servo, servo, k, count, current, s.held, 0.0, 0.0)
     r = _at(reference, s.place, 0)
-    v, a = s.rate * _at(reference, s.place, 1), s.rate * s.rate * _at(reference, s.place, 2)
+    v = s.rate * _at(reference, s.place + p.servo.speed_lead, 1)
+    a = s.rate * s.rate * _at(reference, s.place + p.servo.acceleration_lead, 2)
     if p.servo.outer != POSITION_LOOP:
         r, v, a = s.rate * r, s.rate * r, v
     if phase == SLOWING:
@@ -295,6 +296,7 @@ def _act(
 @loop(error_model="numpy", forceinline=True)
 def _at(reference: Array, place: float, row: int) -> float:
     """A row of the reference at a place between its samples."""
+    place = min(place, reference.shape[1] - 1.0)
     k = int(place)
     after = min(k + 1, reference.shape[1] - 1)
     return float(reference[row, k] + (place - k) * (reference[row, after] - reference[row, k]))

@@ -55,6 +55,8 @@ class AxisServoParams(NamedTuple):
     speed_samples: int  # of the current loop to one of the speed loop
     position_samples: int
     outer: int  # the outermost loop
+    speed_lead: float  # samples of the position loop, by which what is fed forward comes ahead of the loops' delays
+    acceleration_lead: float
     following: float  # part by which the reference of a speed loop is followed each of its samples, 1: at once
 
 
