@@ -20,7 +20,8 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 `Gyro`                  noise and offset; `Accelerometer` and `CurrentShunt` too
 ======================  ========================================================================
 
-`DEVICES` lists those between motor and joint, `MOTORS` motors that can be bought (`motor_card`).
+`select_drive` ranks motors and gears for a `LoadCycle`. `DEVICES` lists devices, `MOTORS` motors that can be bought
+(`motor_card`).
 
 Compiled steps over scalars (`kernels.py` of each room), for a loop that keeps the state of its axes in rows of numbers:
 
@@ -93,7 +94,7 @@ from holonom.devices.motors.reluctance import (
     reluctance_step,
     reluctance_torque,
 )
-from holonom.devices.motors.sheet_check import Finding, SheetCheck, check_sheet
+from holonom.devices.motors.sheet_check import CONTRADICTION, NOTE, WARNING, Finding, SheetCheck, check_sheet
 from holonom.devices.motors.six_step import SixStep, SixStepParams, hall_sector, six_step_step, six_step_torque
 from holonom.devices.motors.stepper import Stepper, StepperParams, StepperState, stepper_step, stepper_torque
 from holonom.devices.motors.thermal import Temperatures, ThermalModel, ThermalParams, thermal_step
@@ -101,6 +102,8 @@ from holonom.devices.power.bridge import BridgeParams, PwmBridge, bridge_voltage
 from holonom.devices.power.limiter import CurrentLimiter, LimiterParams, limiter_voltage
 from holonom.devices.power.supply import Supply, SupplyParams, supply_step
 from holonom.devices.sensors import Accelerometer, CurrentShunt, Gyro
+from holonom.devices.sizing.cycle import LoadCycle, best_ratio
+from holonom.devices.sizing.selection import Choice, GearChoice, Rejection, SizingLimits, select_drive
 from holonom.devices.steering import SteeringMotor, SteeringParams
 from holonom.devices.transmission.friction import Friction
 from holonom.devices.transmission.gear import Gear
@@ -117,12 +120,16 @@ from holonom.devices.transmission.kernels import (
 from holonom.devices.transmission.lugre import LuGre
 
 __all__ = [
+    "CONTRADICTION",
     "DEVICES",
     "MOTORS",
+    "NOTE",
+    "WARNING",
     "Accelerometer",
     "AngleTable",
     "ArmatureParams",
     "BridgeParams",
+    "Choice",
     "Cogging",
     "CoggingParams",
     "CurrentLimiter",
@@ -139,6 +146,7 @@ __all__ = [
     "Friction",
     "FrictionParams",
     "Gear",
+    "GearChoice",
     "GearParams",
     "Gyro",
     "InductionMachine",
@@ -146,6 +154,7 @@ __all__ = [
     "InductionParams",
     "InductionState",
     "LimiterParams",
+    "LoadCycle",
     "LuGre",
     "LuGreParams",
     "MotorCard",
@@ -154,11 +163,13 @@ __all__ = [
     "PmsmParams",
     "PmsmRun",
     "PwmBridge",
+    "Rejection",
     "ReluctanceCycle",
     "ReluctanceParams",
     "SheetCheck",
     "SixStep",
     "SixStepParams",
+    "SizingLimits",
     "SteeringMotor",
     "SteeringParams",
     "Stepper",
@@ -174,6 +185,7 @@ __all__ = [
     "TrackingParams",
     "TrackingState",
     "armature_step",
+    "best_ratio",
     "bridge_voltage",
     "check_angles",
     "check_sheet",
@@ -198,6 +210,7 @@ __all__ = [
     "reluctance_step",
     "reluctance_torque",
     "run_pmsm",
+    "select_drive",
     "six_step_step",
     "six_step_torque",
     "stepper_step",

@@ -23,6 +23,7 @@ COMMANDS = Table(
         "calibrate dynamics": "holonom.app.commands.calibrate_dynamics:COMMAND",
         "calibrate drive": "holonom.app.commands.calibrate_drive:COMMAND",
         "calibrate odometry": "holonom.app.commands.calibrate_odometry:COMMAND",
+        "select": "holonom.app.commands.select:COMMAND",
         "methods": "holonom.app.commands.methods:COMMAND",
         "bench": "holonom.app.commands.bench:COMMAND",
         "bench drive": "holonom.app.commands.bench_drive:COMMAND",
