@@ -59,6 +59,7 @@ LIMITS: Mapping[str, Kind] = MappingProxyType({
     "robot": Kind("a robot description (URDF or xacro)", 16 * MIB),
     "sheet": Kind("a process or an axis (TOML)", MIB),
     "description": Kind("the description of a log (TOML)", MIB),
+    "drive": Kind("a file of a motor, an axis or a load cycle (TOML)", MIB),
     "log": Kind("a log (CSV)", 128 * MIB),
 })  # fmt: skip
 """The kinds of files, by name."""

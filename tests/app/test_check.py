@@ -214,7 +214,8 @@ def test_a_file_of_another_type_is_refused_by_name(tmp_path, capsys, name, what)
         path.write_text("<robot name='x'/>", encoding="utf-8")
     assert main(["check", str(path)]) == 2
     told = capsys.readouterr().err
-    assert f"{path}: {what}; holonom check takes a program (.arps) or a cell file (.toml)" in told
+    takes = "holonom check takes a program (.arps), or the file of a cell, motor or axis (.toml)"
+    assert f"{path}: {what}; {takes}" in told
     assert "Traceback" not in told
 
 

@@ -25,7 +25,8 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 `Gyro`                  noise and offset; `Accelerometer` and `CurrentShunt` too
 ======================  ========================================================================
 
-`DEVICES` lists those between motor and joint, `MOTORS` motors that can be bought (`motor_card`).
+`select_drive` ranks motors and gears for a `LoadCycle`. `DEVICES` lists devices, `MOTORS` motors that can be bought
+(`motor_card`).
 
 Compiled steps over scalars (`kernels.py` of each room), for a loop that keeps the state of its axes in rows of numbers:
 
@@ -168,7 +169,7 @@ from holonom.devices.motors.reluctance import (
     reluctance_step,
     reluctance_torque,
 )
-from holonom.devices.motors.sheet_check import Finding, SheetCheck, check_sheet
+from holonom.devices.motors.sheet_check import CONTRADICTION, NOTE, WARNING, Finding, SheetCheck, check_sheet
 from holonom.devices.motors.six_step import SixStep, SixStepParams, hall_sector, six_step_step, six_step_torque
 from holonom.devices.motors.stepper import Stepper, StepperParams, StepperState, stepper_step, stepper_torque
 from holonom.devices.motors.thermal import Temperatures, ThermalModel, ThermalParams, thermal_step
@@ -177,6 +178,8 @@ from holonom.devices.power.bridge import BridgeParams, PwmBridge, bridge_voltage
 from holonom.devices.power.limiter import CurrentLimiter, LimiterParams, limiter_voltage
 from holonom.devices.power.supply import Supply, SupplyParams, supply_step
 from holonom.devices.sensors import Accelerometer, CurrentShunt, Gyro
+from holonom.devices.sizing.cycle import LoadCycle, best_ratio
+from holonom.devices.sizing.selection import Choice, GearChoice, Rejection, SizingLimits, select_drive
 from holonom.devices.steering import SteeringMotor, SteeringParams
 from holonom.devices.transmission.friction import Friction
 from holonom.devices.transmission.gear import Gear
@@ -193,6 +196,7 @@ from holonom.devices.transmission.kernels import (
 from holonom.devices.transmission.lugre import LuGre
 
 __all__ = [
+    "CONTRADICTION",
     "DEVICES",
     "FRAMES",
     "HEALTHY",
@@ -202,6 +206,8 @@ __all__ = [
     "LINE_RECEIVERS",
     "MOTORS",
     "SPEED_METHODS",
+    "NOTE",
+    "WARNING",
     "Accelerometer",
     "AngleTable",
     "ArmatureParams",
@@ -211,6 +217,7 @@ __all__ = [
     "BrakeState",
     "BridgeParams",
     "CaptureParams",
+    "Choice",
     "Cogging",
     "CoggingParams",
     "Counter",
@@ -231,6 +238,7 @@ __all__ = [
     "Friction",
     "FrictionParams",
     "Gear",
+    "GearChoice",
     "GearParams",
     "Gyro",
     "HomingFault",
@@ -248,6 +256,7 @@ __all__ = [
     "LineFault",
     "LineFaults",
     "LineReceiver",
+    "LoadCycle",
     "LuGre",
     "LuGreParams",
     "MMethod",
@@ -273,6 +282,7 @@ __all__ = [
     "QuadratureParams",
     "QuadratureState",
     "ReceiverParams",
+    "Rejection",
     "ReluctanceCycle",
     "ReluctanceParams",
     "SheetCheck",
@@ -282,6 +292,7 @@ __all__ = [
     "SixStep",
     "SixStepParams",
     "SsiFrame",
+    "SizingLimits",
     "SteeringMotor",
     "SteeringParams",
     "Stepper",
@@ -303,6 +314,7 @@ __all__ = [
     "TrackingState",
     "armature_step",
     "brake_step",
+    "best_ratio",
     "bridge_voltage",
     "capture_edges",
     "capture_params",
@@ -358,6 +370,7 @@ __all__ = [
     "reluctance_torque",
     "run_pmsm",
     "sincos_signals",
+    "select_drive",
     "six_step_step",
     "six_step_torque",
     "split_turns",

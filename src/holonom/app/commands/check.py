@@ -1,4 +1,4 @@
-"""`holonom check`: what is wrong with a cell or a program, off-line."""
+"""`holonom check`: what is wrong with a cell, a program, a motor or an axis, off-line."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ __all__ = ["COMMAND", "Options", "run"]
 class Options:
     """What is checked."""
 
-    file: Path = argument("cell file (.toml) or program (.arps)", metavar="FILE")
+    file: Path = argument("cell, motor or axis (.toml) or program (.arps)", metavar="FILE")
     allow_outside: bool = allow_outside()
     quiet: bool = quiet()
 
 
 def run(options: Options) -> Answer:
     """Check a file; raises as `check_file` does."""
-    from holonom.app.start.check import check_file
+    from holonom.app.cell.check_file import check_file
 
     return check_file(options.file, quiet=options.quiet, allow_outside=options.allow_outside)
 
 
-COMMAND = Method("check a cell or an ARPS program off-line, without running it", run, OWN, Options)
+COMMAND = Method("check a cell, an ARPS program, or the data sheet of a motor or axis, off-line", run, OWN, Options)

@@ -11,7 +11,11 @@ __all__ = ["Answer"]
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """The result of a command: `text` for a person, `data` (JSON values only, no NaN) for `--json`."""
+    """The result of a command: `text` for a person, `data` (JSON values only, no NaN) for `--json`.
+
+    `status` is 2 where the answer is that the input contradicts itself.
+    """
 
     text: str
     data: Mapping[str, Any]
+    status: int = 0

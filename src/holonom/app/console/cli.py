@@ -74,7 +74,7 @@ def _status(words: Sequence[str]) -> int:
         say(_json(answer.data))
     elif answer.text:
         say(answer.text)
-    return 0
+    return answer.status
 
 
 def _json(data: Mapping[str, Any]) -> str:

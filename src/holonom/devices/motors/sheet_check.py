@@ -15,9 +15,10 @@ from holonom.devices.motors.catalogue import MOTORS, MotorCard
 from holonom.devices.motors.data_sheet import RPM, MotorSheet
 from holonom.errors import OutOfLimits
 
-__all__ = ["Finding", "SheetCheck", "check_sheet"]
+__all__ = ["CONTRADICTION", "NOTE", "WARNING", "Finding", "SheetCheck", "check_sheet"]
 
 NOTE, WARNING, CONTRADICTION = "note", "warning", "contradiction"
+"""Levels of a finding."""
 AGREES = 0.05
 """Part by which rounding, tolerances and friction may move a printed number from its identity."""
 CONTRADICTS = 1.5

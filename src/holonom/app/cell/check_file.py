@@ -1,4 +1,4 @@
-"""`holonom check`: what is wrong with a program or a cell, found without moving anything."""
+"""`holonom check`: what is wrong with a program, a cell, a motor or an axis, found without moving anything."""
 
 from __future__ import annotations
 
@@ -14,6 +14,8 @@ __all__ = ["check_file", "check_program"]
 def check_file(path: Path, *, quiet: bool = True, allow_outside: bool = False) -> Answer:
     """Check a program (.arps) by compiling it, or a cell by also planning every motion that it asks for.
 
+    A file with a table `[motor]` is that of a motor or an axis: its data sheet is checked against itself.
+
     A check that takes longer than a moment shows how far it is, unless it is to be `quiet`. `allow_outside`: what a
     cell names may lie outside of its folder; so may the location file beside a program.
 
@@ -25,8 +27,8 @@ def check_file(path: Path, *, quiet: bool = True, allow_outside: bool = False) -
     kind = path.suffix.lower()
     if kind not in _CHECKS:
         raise InputError(
-            f"{path}: {_what_came(path)}; holonom check takes a program (.arps) or a cell file (.toml). "
-            "A robot description (.urdf, .xacro) is checked when it is loaded: holonom.load_arm(path)"
+            f"{path}: {_what_came(path)}; holonom check takes a program (.arps), or the file of a cell, motor or axis "
+            "(.toml). A robot description (.urdf, .xacro) is checked when it is loaded: holonom.load_arm(path)"
         )
     return _CHECKS[kind](path, quiet, allow_outside)
 
@@ -64,7 +66,11 @@ def _program(path: Path, quiet: bool, allow_outside: bool) -> Answer:
 
 def _cell(path: Path, quiet: bool, allow_outside: bool) -> Answer:
     from holonom.app.cell.check import check_cell
+    from holonom.app.drives.check import check_drive
+    from holonom.app.drives.files import is_drive
 
+    if is_drive(path):
+        return check_drive(path)
     return check_cell(path, quiet=quiet, allow_outside=allow_outside)
 
 
