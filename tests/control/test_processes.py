@@ -282,6 +282,8 @@ def test_limit_cycle_of_a_lag_in_closed_form(lag: float, dead: float, h: float) 
         ({"num": [1.0, 0.0, 0.0], "den": [1.0, 1.0]}, ModelError, "not strictly proper"),
         ({"num": [1.0, 1.0], "den": [1.0, 2.0]}, ModelError, "not strictly proper"),
         ({"num": [0.0], "den": [1.0, 2.0]}, ModelError, "not all 0"),
+        ({"num": [-1.0], "den": [1.0, 2.0]}, ModelError, "its gain is negative; give a positive one"),
+        ({"num": [1.0, 0.0], "den": [1.0, 2.0, 1.0]}, ModelError, "its gain is 0"),
     ],
 )
 def test_what_is_no_process(given: dict[str, Any], error: type[InputError], said: str) -> None:
@@ -315,6 +317,10 @@ def test_refusals_of_linear_systems() -> None:
         p.sampled_margin(process, p.Gains(1.0), -1.0)
     with pytest.raises(OutOfLimits, match="delay_samples"):
         p.sampled_margin(process, p.Gains(1.0), 0.1, delay_samples=-1)
+    with pytest.raises(OutOfLimits, match="more than 300 samples"):
+        p.sampled_margin(process, p.Gains(1.0), 1e-3)
+    with pytest.raises(OutOfLimits, match="so short beside the lags"):
+        p.sampled_margin(p.make_process({"kind": "lags", "lags": [1.0, 2.0]}), p.Gains(1.0), 1e-6)
     with pytest.raises(OutOfLimits, match=r"relay is 0\.0"):
         p.relay_cycle(process, 0.0)
     with pytest.raises(ModelError, match="no limit cycle"):

@@ -46,7 +46,7 @@ class Process:
     Raises
     ------
     ModelError
-        Numbers that are not finite; a process that is not proper, or unstable; none at all.
+        Numbers that are not finite; a process that is not proper, or unstable; a gain that is not positive.
     """
 
     num: tuple[float, ...]
@@ -73,6 +73,13 @@ class Process:
             raise ModelError(
                 f"process: unstable, a pole at {_shown(unstable[0])} 1/s; rules of tuning need a stable or an "
                 "integrating one: close a stabilising loop first and tune the regulator around that"
+            )
+        steady = num[-1] * den[np.flatnonzero(den)[-1]]
+        if steady <= 0.0:
+            what = "0" if steady == 0.0 else "negative"
+            raise ModelError(
+                f"process: num ends with {num[-1]:g}: its gain is {what}; give a positive one: exchange the sign of "
+                "the input; what leaves no trace of a constant input cannot be regulated"
             )
         object.__setattr__(self, "num", tuple(map(float, num)))
         object.__setattr__(self, "den", tuple(map(float, den)))

@@ -16,7 +16,19 @@ from holonom.control.processes.loop import Gains
 from holonom.control.processes.process import Process
 from holonom.errors import ModelError, OutOfLimits
 
-__all__ = ["SampledLimits", "SampledMargin", "largest_gain", "sampled_limits", "sampled_margin", "sampled_step"]
+__all__ = [
+    "SampledLimits",
+    "SampledMargin",
+    "largest_gain",
+    "sampled_limits",
+    "sampled_margin",
+    "sampled_step",
+    "too_short",
+]
+
+LEAST = 1e6 * float(np.finfo(float).eps)  # product of sample time over lags
+CROSSINGS = 8  # the lowest ones, which are looked at; beyond, a loop is stable or not by its poles
+LONGEST = 300  # dead time in samples, which are as many poles
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +88,8 @@ def sampled_margin(process: Process, gains: Gains, dt: float, *, delay_samples: 
     Raises
     ------
     OutOfLimits
-        A sample time that is not positive, a delay that is no whole number of samples.
+        A sample time that is not positive, below 1/300 of the dead time or vanishing beside the lags; a delay that is
+        no whole number of samples.
     """
     return _margin(_loop(process, gains, dt, delay_samples), dt)
 
@@ -98,7 +111,7 @@ def largest_gain(
     phase = _from_start(loop, L)
     k = np.flatnonzero((phase[:-1] > -math.pi + math.radians(margin_deg)) &
                        (phase[1:] <= -math.pi + math.radians(margin_deg)))  # fmt: skip
-    sizes = [_size_at(w, L, phase, int(i), -math.pi + math.radians(margin_deg)) for i in k]
+    sizes = [_size_at(w, L, phase, int(i), -math.pi + math.radians(margin_deg)) for i in k[:CROSSINGS]]
     for size in sorted(sizes, reverse=True):
         found = _margin(loop._replace(num=loop.num / size), dt)
         if found.stable and abs(found.phase_margin_deg - margin_deg) < 0.1:
@@ -137,6 +150,12 @@ def sampled_step(process: Process, gains: Gains, dt: float, samples: int, *, del
     return y
 
 
+def too_short(process: Process, dt: float) -> bool:
+    """Whether the poles of the sampled process lie so near to 1 that doubles do not tell the loop to 1e-6."""
+    poles = np.abs(np.roots(process.den)) * dt
+    return bool(np.prod(np.minimum(poles[poles > 0.0], 1.0)) < LEAST)
+
+
 def _edge(call: Callable[[float], bool], unit: float) -> float:
     """Gain up to which something holds, from small ones on."""
     low, high = 1e-6 * unit, 1e-6 * unit
@@ -156,6 +175,15 @@ def _loop(process: Process, gains: Gains, dt: float, delay_samples: int) -> _Loo
     if not 0.0 < dt < math.inf:
         raise OutOfLimits(f"dt is {dt!r}; a sample time must be finite and greater than 0 s")
     delay = whole_number("delay_samples", delay_samples)
+    if process.dead_time > LONGEST * dt:
+        raise OutOfLimits(
+            f"a dead time of {process.dead_time:g} s is more than {LONGEST} samples of {dt:g} s; sample more slowly"
+        )
+    if too_short(process, dt):
+        raise OutOfLimits(
+            f"a sample time of {dt:g} s is so short beside the lags that the sampled loop's numbers are lost; sampling "
+            "costs nothing there: take the margins of the continuous loop"
+        )
     num, den = _held(process, dt)
     Kc, Ti, Td = gains
     i, d = (0.0 if math.isinf(Ti) else dt / Ti), Td / dt
@@ -237,7 +265,7 @@ def _margin(loop: _Loop, dt: float) -> SampledMargin:
         return math.log(abs(np.polyval(loop.num, z) / np.polyval(loop.den, z)))
 
     margins = []
-    for k in np.flatnonzero(np.signbit(size[:-1]) != np.signbit(size[1:])):
+    for k in np.flatnonzero(np.signbit(size[:-1]) != np.signbit(size[1:]))[:CROSSINGS]:
         if log_size(w[k]) * log_size(w[k + 1]) >= 0.0:  # a size of 1 but for rounding
             continue
         x = float(brentq(log_size, w[k], w[k + 1]))

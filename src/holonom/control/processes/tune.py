@@ -11,7 +11,7 @@ from holonom.control.processes.contract import FORMS, Rule, Tuning, refuse_form
 from holonom.control.processes.loop import Gains, LoopFigures, loop_figures, open_loop
 from holonom.control.processes.methods import RULES
 from holonom.control.processes.process import Process, make_process
-from holonom.control.processes.sampled import SampledMargin, largest_gain, sampled_margin, sampled_step
+from holonom.control.processes.sampled import SampledMargin, largest_gain, sampled_margin, sampled_step, too_short
 from holonom.errors import InputError, ModelError, UnknownName
 
 __all__ = ["default_rule", "tune_process", "verified"]
@@ -120,7 +120,7 @@ def verified(
         )
     smooth = overshoot_percent(loop, prefilter=gains.Ti, figures=figures) if prefilter else None
     warnings = _weak(figures.phase_margin_deg, figures.Ms)
-    if sample_time is not None and form != "I":
+    if sample_time is not None and form != "I" and not too_short(process, sample_time):
         warnings |= _too_slow(process, gains, figures, sample_time, delay_samples)
     return Tuning(
         process=process,
