@@ -14,17 +14,20 @@ from holonom.closed_loop.axis import AxisRun, simulate_axis
 from holonom.control import CascadeGains, DesignWarning, LoopMargin, SampleTimes, design_cascade
 from holonom.devices.motors.thermal import ThermalModel
 from holonom.errors import ModelError, OutOfLimits
+from holonom.machine.axis.drive import DriveSettings
 from holonom.registry import check_fields, parameter
 from holonom.sim.axis.axis import Axis
 
-__all__ = ["AxisLoop", "AxisTuning", "Verified", "WantedAxis", "tune_axis"]
+__all__ = ["AxisLoop", "AxisTuning", "Verified", "WantedAxis", "trapezoid", "try_gains", "tune_axis"]
 
+UNWATCHED = DriveSettings(supervised=False)
 DELAY = 1.5  # samples: computing and hold
 WITNESS = 0.02  # part of the no-load speed that one count of a look may be, for a watch that tells faults in 5 ms
 RESERVE = 1.1  # speed that the position loop may ask for, to make up for what is lacking
 HEADROOM = 0.9  # part of the speed that supply and acceleration allow, by default
 LOADED = 0.2  # part of the current that friction and load may take, beside the acceleration's
-LEAST_PART = 0.1  # of the no-load speed
+LASTING = 0.9  # part of the current that the winding bears for ever
+LEAST_PART = 0.1  # of the no-load speed, of the greatest acceleration
 SETTLED = 0.02  # part of a step within which it has settled
 
 
@@ -42,7 +45,7 @@ class WantedAxis:
     speed: float | None = parameter(
         None, meaning="greatest; by default what supply and acceleration leave", unit="rad/s"
     )
-    acceleration: float | None = parameter(None, meaning="by default half of what the current gives", unit="rad/s2")
+    acceleration: float | None = parameter(None, meaning="by default what the motor bears for ever", unit="rad/s2")
     overshoot_percent: float = parameter(1.0, meaning="of the step, at most", least=0.0)
     settling_time: float | None = parameter(None, meaning="of the step to 2 %, at most", unit="s")
     following_error: float | None = parameter(None, meaning="of a move, at most", unit="rad")
@@ -98,7 +101,10 @@ class Verified:
 
 @dataclass(frozen=True, slots=True)
 class AxisTuning:
-    """Gains, loops by name (current, speed, position), what a simulation shows, warnings; the runs of step and move."""
+    """Gains, loops by name (current, speed, position), what a simulation shows, warnings; the runs of step and move.
+
+    `size` is that of the step, rad; `moved` (3, n) the reference of the move.
+    """
 
     axis: Axis
     gains: CascadeGains
@@ -107,6 +113,15 @@ class AxisTuning:
     warnings: tuple[DesignWarning, ...]
     step: AxisRun
     move: AxisRun
+    size: float
+    moved: Array
+
+
+def try_gains(found: AxisTuning, true: Axis) -> Verified:
+    """What the gains do on an axis that is not what its sheets say; its controller believes them."""
+    step = simulate_axis(true, found.gains, found.step.reference, known=found.axis, drive=UNWATCHED)
+    move = simulate_axis(true, found.gains, found.moved, known=found.axis, drive=UNWATCHED)
+    return _verified(found.size, step, move, None)
 
 
 def tune_axis(
@@ -134,31 +149,46 @@ def tune_axis(
     OutOfLimits
         A speed that the supply does not give, an acceleration that the current does not give; with what is possible.
     """
-    speed, acceleration = _possible(axis, wanted)
+    speed, acceleration = _possible(axis, wanted, thermal)
     axis = dataclasses.replace(axis, max_speed=RESERVE * speed)
     gains = design_cascade(axis.servo_axis(), times=times)
     loops = _loops(gains)
     step = _step(axis, gains, wanted.step)
-    move = _move(axis, gains, wanted.step, speed, acceleration)
-    verified = _verified(axis, wanted.step, step, move, thermal)
-    warnings = (*gains.warnings, *_encoder_warnings(axis, gains), *_unmet(wanted, verified), *_hot(verified, thermal))
-    return AxisTuning(axis, gains, loops, verified, warnings, step, move)
+    moved = _there_and_back(wanted.step, speed, acceleration, gains.times.position)
+    move = simulate_axis(axis, gains, moved)
+    verified = _verified(wanted.step, step, move, thermal)
+    stops = [e for run in (step, move) for e in run.events if e.first]
+    stopped = [
+        DesignWarning(e.cause.name.lower(), f"the drive stopped at {e.time:.4g} s: {e.text}", e.time, 0.0)
+        for e in stops
+    ]
+    warnings = (
+        *gains.warnings,
+        *stopped,
+        *_encoder_warnings(axis, gains),
+        *_unmet(wanted, verified),
+        *_hot(verified, thermal),
+    )
+    return AxisTuning(axis, gains, loops, verified, warnings, step, move, wanted.step, moved)
 
 
-def _possible(axis: Axis, wanted: WantedAxis) -> tuple[float, float]:
-    """Speed (rad/s) and acceleration (rad/s2) at the joint."""
+def _possible(axis: Axis, wanted: WantedAxis, thermal: ThermalModel | None) -> tuple[float, float]:
+    """Speed (rad/s) and acceleration (rad/s2) at the joint; unless wanted, what the motor can do for ever."""
     m, ratio = axis.motor, abs(axis.gear.ratio)
     rubbing, load = axis.known_friction, abs(axis.load.torque) / ratio / axis.gear.efficiency
     torque = m.torque_constant * m.max_current - max(rubbing.coulomb_positive, rubbing.coulomb_negative) - load
     mean = 0.5 * (1.0 / axis.gear.efficiency + axis.gear.efficiency)
-    most = torque / (m.rotor_inertia + mean * axis.load_inertia) / ratio
+    inertia = m.rotor_inertia + mean * axis.load_inertia
+    most = torque / inertia / ratio
     if most <= 0.0:
         raise OutOfLimits(
             f"the current limit of {m.max_current:g} A gives {m.torque_constant * m.max_current:.4g} N m, less than "
             "friction and load take: this axis does not move; allow more current, or a higher ratio"
         )
     top = m.max_voltage / m.back_emf_constant / ratio
-    acceleration = 0.5 * most if wanted.acceleration is None else wanted.acceleration
+    lasting = min(thermal.largest_current(), m.max_current) if thermal is not None else 0.5 * m.max_current
+    usual = max(most - m.torque_constant * (m.max_current - LASTING * lasting) / inertia / ratio, LEAST_PART * most)
+    acceleration = usual if wanted.acceleration is None else wanted.acceleration
     speed = HEADROOM * _drivable(axis, acceleration / most) if wanted.speed is None else wanted.speed
     if speed >= top:
         raise OutOfLimits(f"speed is {speed:g} rad/s; {m.max_voltage:g} V give less than {top:.5g} rad/s at the joint")
@@ -198,11 +228,11 @@ def _step(axis: Axis, gains: CascadeGains, size: float) -> AxisRun:
     return simulate_axis(axis, gains, np.full(samples, size))
 
 
-def _move(axis: Axis, gains: CascadeGains, size: float, speed: float, acceleration: float) -> AxisRun:
-    """There and back by trapezoids of the speed, derivatives fed forward."""
-    there = trapezoid(size, speed, acceleration, gains.times.position)
+def _there_and_back(size: float, speed: float, acceleration: float, dt: float) -> Array:
+    """(3, n): trapezoids of the speed."""
+    there = trapezoid(size, speed, acceleration, dt)
     back = np.stack([size - there[0], -there[1], -there[2]])
-    return simulate_axis(axis, gains, np.concatenate([there, back], axis=1))
+    return np.concatenate([there, back], axis=1)
 
 
 def trapezoid(size: float, speed: float, acceleration: float, dt: float) -> Array:
@@ -218,7 +248,7 @@ def trapezoid(size: float, speed: float, acceleration: float, dt: float) -> Arra
     return np.stack([s, v, a])
 
 
-def _verified(axis: Axis, size: float, step: AxisRun, move: AxisRun, thermal: ThermalModel | None) -> Verified:
+def _verified(size: float, step: AxisRun, move: AxisRun, thermal: ThermalModel | None) -> Verified:
     outside = np.flatnonzero(np.abs(step.position - size) > SETTLED * size)
     at_rest = step.position[-round(0.1 / (step.time[1] - step.time[0])) :]
     temperature = None

@@ -68,7 +68,14 @@ from holonom.control.processes import (
     ultimate_gain,
 )
 from holonom.control.regulators import REGULATORS, Regulator, respond
-from holonom.control.servo.cascade import CascadeGains, DesignWarning, SampleTimes, ServoAxis, design_cascade
+from holonom.control.servo.cascade import (
+    CascadeGains,
+    DesignWarning,
+    SampleTimes,
+    ServoAxis,
+    design_cascade,
+    open_loops,
+)
 from holonom.control.servo.computed_torque import acceleration_params, greatest_bandwidth
 from holonom.control.servo.kernels import (
     AccelerationParams,
@@ -136,6 +143,7 @@ __all__ = [
     "loop_figures",
     "make_process",
     "open_loop",
+    "open_loops",
     "pi_start",
     "pi_step",
     "position_step",

@@ -16,12 +16,12 @@ __all__ = ["COMMAND", "Options", "run"]
 class Options:
     """What is tuned, and how."""
 
-    file: Path = argument("TOML with a table [process], and [wanted]", metavar="FILE")
+    file: Path = argument("TOML with a table [process], or [motor] and the tables of an axis", metavar="FILE")
     rule: str | None = option(
         None, "of holonom methods rules, or all; by the process unless given",
         choices="holonom.app.tuning.process:RULE_NAMES",
     )  # fmt: skip
-    output: Path | None = output("tuning.json, step.csv and bode.csv go here")
+    output: Path | None = output("report.html, tuning.json, step.csv go here")
 
 
 def run(options: Options) -> Answer:
@@ -32,5 +32,5 @@ def run(options: Options) -> Answer:
 
 
 COMMAND = Method(
-    "gains of a regulator for a process, by a rule or all of them, with what they promise", run, OWN, Options
+    "gains of a servo axis from its sheets, or of a regulator for a process, with what they promise", run, OWN, Options
 )

@@ -8,6 +8,7 @@ from types import MappingProxyType
 
 from holonom.app.console.answer import Answer
 from holonom.app.fields.toml_faults import parse_toml
+from holonom.app.tuning.axis import tune_axis_file
 from holonom.app.tuning.process import tune_process_file
 from holonom.app.tuning.tables import TuningFile
 from holonom.errors import ModelError
@@ -16,7 +17,7 @@ from holonom.files import read_text
 __all__ = ["SUBJECTS", "tune_file"]
 
 SUBJECTS: Mapping[str, Callable[[TuningFile, str | None, Path | None], Answer]] = MappingProxyType(
-    {"process": tune_process_file}
+    {"process": tune_process_file, "motor": tune_axis_file}
 )
 """Table of a file to what answers it: (file, rule, output folder)."""
 
@@ -26,7 +27,7 @@ def tune_file(path: Path, *, rule: str | None = None, output: Path | None = None
 
     Parameters
     ----------
-    path : TOML with a table [process].
+    path : TOML with a table [process], or with [motor] and the tables of an axis.
     rule : a name, "all", or None for the one that fits.
     output : folder for what is found.
 

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +14,7 @@ from holonom.control.margins import LoopMargin, margin_of
 from holonom.control.servo.kernels import CurrentParams, PositionParams, SpeedParams
 from holonom.errors import ModelError, OutOfLimits
 
-__all__ = ["CascadeGains", "DesignWarning", "SampleTimes", "ServoAxis", "design_cascade"]
+__all__ = ["CascadeGains", "DesignWarning", "SampleTimes", "ServoAxis", "design_cascade", "open_loops"]
 
 LOOP_DELAY = 1.5  # sample periods: half of one for the hold, one for computing, as a digital drive has them
 CURRENT_MARGIN = math.radians(60.0)
@@ -176,30 +178,19 @@ def design_cascade(
     speed, observer, limited_by = _design_speed(axis, times, current)
     torque_limit = axis.torque_constant * axis.max_current
 
-    def current_loop(s: Array) -> Array:
-        pi = current.gain + current.integral_gain / (s * times.current)
-        return pi / (axis.resistance + s * axis.inductance) * np.exp(-LOOP_DELAY * times.current * s)
-
-    def speed_loop(s: Array) -> Array:
-        pi = speed.gain + speed.integral_gain / (s * times.speed)
-        plant = axis.torque_constant / (axis.viscous + s * axis.inertia)
-        return pi * plant * _closed(current_loop(s)) * np.exp(-LOOP_DELAY * times.speed * s)
-
-    current_margin = margin_of("current", current_loop, times.current)
-    speed_margin = margin_of("speed", speed_loop, times.speed)
+    responses = _open_loops(axis, times, current, speed)
+    current_margin = margin_of("current", responses["current"], times.current)
+    speed_margin = margin_of("speed", responses["speed"], times.speed)
     position = PositionParams(
         gain=min(speed_margin.crossover / POSITION_RATIO, POSITION_SAMPLES / times.position),
         max_speed=axis.max_speed,
         max_braking=0.5 * torque_limit / axis.inertia if max_braking is None else max_braking,
     )
 
-    def position_loop(s: Array) -> Array:
-        return position.gain / s * _closed(speed_loop(s)) * np.exp(-LOOP_DELAY * times.position * s)
-
     margins = {
         "current": current_margin,
         "speed": speed_margin,
-        "position": margin_of("position", position_loop, times.position),
+        "position": margin_of("position", _position_loop(responses["speed"], position, times), times.position),
     }
     return CascadeGains(
         current=current,
@@ -213,6 +204,36 @@ def design_cascade(
         speed_limited_by=limited_by,
         warnings=tuple(_looked_at(axis, times, margins)),
     )
+
+
+def open_loops(axis: ServoAxis, gains: CascadeGains) -> dict[str, Callable[[Any], Any]]:
+    """Open loops by name (current, speed, position): frequency responses at complex frequencies (n,), rad/s.
+
+    Each with its delay of 1.5 samples and the closed loops inside.
+    """
+    found = _open_loops(axis, gains.times, gains.current, gains.speed)
+    return found | {"position": _position_loop(found["speed"], gains.position, gains.times)}
+
+
+def _open_loops(
+    axis: ServoAxis, times: SampleTimes, current: CurrentParams, speed: SpeedParams
+) -> dict[str, Callable[[Any], Any]]:
+    def current_loop(s: Array) -> Array:
+        pi = current.gain + current.integral_gain / (s * times.current)
+        return pi / (axis.resistance + s * axis.inductance) * np.exp(-LOOP_DELAY * times.current * s)
+
+    def speed_loop(s: Array) -> Array:
+        pi = speed.gain + speed.integral_gain / (s * times.speed)
+        plant = axis.torque_constant / (axis.viscous + s * axis.inertia)
+        return pi * plant * _closed(current_loop(s)) * np.exp(-LOOP_DELAY * times.speed * s)
+
+    return {"current": current_loop, "speed": speed_loop}
+
+
+def _position_loop(
+    speed_loop: Callable[[Any], Any], position: PositionParams, times: SampleTimes
+) -> Callable[[Any], Any]:
+    return lambda s: position.gain / s * _closed(speed_loop(s)) * np.exp(-LOOP_DELAY * times.position * s)
 
 
 def _looked_at(axis: ServoAxis, times: SampleTimes, margins: dict[str, LoopMargin]) -> list[DesignWarning]:
