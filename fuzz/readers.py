@@ -75,6 +75,12 @@ def _description(path: Path) -> object:
     return read_description(path)
 
 
+def _sheet(path: Path) -> object:
+    from holonom.app.tuning.file import tune_file
+
+    return tune_file(path)
+
+
 def _recording(path: Path) -> object:
     from holonom.app.recording import read_robots
 
@@ -128,6 +134,9 @@ READERS: Mapping[str, Reader] = {
     "layout": Reader(_layout, ".csv", ', ; u v diameter " \r'),
     "metadata": Reader(_metadata, "_metadata.csv", ", type encRes Di Li diff N"),
     "description": Reader(_description, ".toml", "[units] drive = runs [encoder] geometry true 1979-05-27"),
+    "sheet": Reader(
+        _sheet, ".toml", '[process] [wanted] kind "1e9s" num den lags dead_time 1e300 -1 nan inf', count=2000
+    ),
     "recording": Reader(_recording, ".mcap", "zstd lz4 ros2"),
     "chunk": Reader(_recording, ".mcap", "/tf /rosout kind robot cdr", pack=_in_a_chunk),
     "words": Reader(_words, ".json", '{ } [ ] : , "a" null true 1e999 NaN \\ud800'),

@@ -118,7 +118,7 @@ def test_the_guide_answers_for_every_process(
         ('[process]\nkind = "lagg"\n', "2: process.kind: no kind of process 'lagg'"),
         (OVEN.replace("gain", "gian"), "3: process.gian: no key 'gian'; there is dead_time, gain, kind, lag"),
         (OVEN.replace("14s", "14kg"), "4: process.lag: '14kg' came, in a unit of mass"),
-        (OVEN.replace('"14s"', "-1"), "4: process.lag: lag is -1.0; it must be finite and greater than 0 s"),
+        (OVEN.replace('"14s"', "-1"), "4: process.lag: lag is -1.0; it must be 1e-09 to 1e+09 s"),
         (OVEN.replace('"14s"', "nan"), "4: process.lag: lag is nan"),
         (OVEN.replace('lag = "14s"\n', ""), "1: process: kind of process 'lag_dead_time': lag missing"),
         ("[process]\nnum = [1]\nden = [1, -1]\n", "1: process: process: unstable, a pole at 1 1/s"),

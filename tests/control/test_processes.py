@@ -218,6 +218,16 @@ def test_sampled_p_on_an_integrator(cases: dict[str, Any]) -> None:
     )
 
 
+def test_the_current_loop_of_the_open_cases(cases: dict[str, Any]) -> None:
+    case = cases["current loop of RE 40"]
+    R, L, dt = (case["input"][key] for key in ("R", "L", "Ts"))
+    gains = p.Gains(L / (3.0 * dt), L / R)
+    y = p.sampled_step(p.make_process({"num": [1.0], "den": [L, R]}), gains, dt, 40)
+    assert gains.Kc == pytest.approx(case["expected"]["Kc"])
+    assert 100.0 * (y.max() - 1.0) == pytest.approx(case["expected"]["overshoot_percent"], rel=0.01)
+    assert int(y.argmax()) == case["expected"]["samples_to_peak"]
+
+
 @pytest.mark.parametrize("dead_time", [0.0, 0.3, 0.07, 0.25])
 def test_a_held_process_is_exact(dead_time: float) -> None:
     """Its open-loop step at the samples is the continuous one; a dead time may be any part of samples."""
@@ -275,13 +285,17 @@ def test_limit_cycle_of_a_lag_in_closed_form(lag: float, dead: float, h: float) 
         ({"kind": "lag_dead_time", "lag": 0.0}, OutOfLimits, "lag is 0.0"),
         ({"kind": "lag_dead_time", "lag": math.nan}, OutOfLimits, "lag is nan"),
         ({"kind": "lag_dead_time", "lag": 1.0, "dead_time": -1.0}, OutOfLimits, "dead_time is -1.0"),
-        ({"kind": "lags", "lags": []}, ModelError, "lags is empty"),
+        ({"kind": "lags", "lags": []}, ModelError, "lags holds 0 time constants"),
         ({"kind": "two_lags", "lags": [1.0]}, ModelError, "two_lags with 1"),
         ({"num": [1.0], "den": [1.0, -1.0]}, ModelError, "unstable, a pole at 1"),
         ({"num": [1.0], "den": [1.0, -0.2, 1.0]}, ModelError, r"unstable, a pole at 0.1 [+-]0.99"),
         ({"num": [1.0, 0.0, 0.0], "den": [1.0, 1.0]}, ModelError, "not strictly proper"),
         ({"num": [1.0, 1.0], "den": [1.0, 2.0]}, ModelError, "not strictly proper"),
         ({"num": [0.0], "den": [1.0, 2.0]}, ModelError, "not all 0"),
+        ({"num": [1.0], "den": [1.0]}, ModelError, "neither lag nor integrator nor dead time"),
+        ({"num": [1.0], "den": [1.0] * 30}, ModelError, "den has degree 29"),
+        ({"num": [1.0], "den": [1e-30, 1.0]}, ModelError, "coefficients are from 1e-30 to 1"),
+        ({"num": [1.0], "den": [1.0, 1.0], "dead_time": 1e-20}, ModelError, "dead_time is 1e-20"),
         ({"num": [-1.0], "den": [1.0, 2.0]}, ModelError, "its gain is negative; give a positive one"),
         ({"num": [1.0, 0.0], "den": [1.0, 2.0, 1.0]}, ModelError, "its gain is 0"),
     ],

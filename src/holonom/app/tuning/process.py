@@ -49,7 +49,7 @@ WANTED = {
     "form": Field("form", str, None, Parameter("form of regulator; PI unless given", choices=FORMS)),
     "rule": Field("rule", str, None, Parameter("unless the command names one", choices=RULE_NAMES)),
     "disturbance": Field("disturbance", str, None, Parameter("against an integrator", choices=DISTURBANCES)),
-    "sample_time": Field("sample_time", float, None, Parameter("of the regulator", unit="s", above=0.0)),
+    "sample_time": Field("sample_time", float, None, Parameter("of the regulator", unit="s", least=1e-9, most=1e9)),
     "delay_samples": Field("delay_samples", int, 1, Parameter("for computing", least=0, most=100)),
 }
 

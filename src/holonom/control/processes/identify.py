@@ -232,6 +232,7 @@ def _fit(kind: str, t: Array, y: Array, at: Array, jumps: Array, moving: bool) -
 
 
 def _named(kind: str, gain: float, lags: Sequence[float], delay: float) -> Process:
+    delay = delay if delay >= 1e-9 else 0.0  # what doubles leave of none
     return make_process({"kind": kind, "dead_time": delay, **MODELS[kind].keys(gain, lags)})
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -26,6 +25,8 @@ __all__ = [
 ]
 
 REAL = 1e-3  # imaginary part over size up to which a root counts as real: a triple root is known to 1e-5 only
+MOST = 1e9  # of any gain and time (s), and 1/MOST the least: no process has more
+ORDER = 20  # of den, at most
 AT_ZERO = 1e-9  # size of a root over the largest one up to which it is an integrator
 
 
@@ -60,12 +61,22 @@ class Process:
             raise ModelError(
                 f"process: num is {list(self.num)}, den {list(self.den)}; both need finite numbers, not all 0"
             )
-        if not 0.0 <= self.dead_time < math.inf:
-            raise ModelError(f"process: dead_time is {self.dead_time!r}; it must be finite and at least 0 s")
+        sizes = np.abs(np.concatenate([num[num != 0.0], den[den != 0.0]]))
+        if len(den) > ORDER + 1 or sizes.max() > MOST**3 * sizes.min():
+            raise ModelError(
+                f"process: den has degree {len(den) - 1}, coefficients are from {sizes.min():g} to {sizes.max():g}; "
+                f"up to {ORDER}, and a ratio of {MOST**3:g}, can be computed with: leave out the fastest poles"
+            )
+        if self.dead_time != 0.0 and not 1.0 / MOST <= self.dead_time <= MOST:
+            raise ModelError(f"process: dead_time is {self.dead_time!r}; it must be 0, or {1 / MOST:g} to {MOST:g} s")
         if len(num) > len(den) or (len(num) == len(den) and len(den) > 1):
             raise ModelError(
                 f"process: num is of degree {len(num) - 1}, den of {len(den) - 1}: it is not strictly proper, no real "
                 "process jumps with its input; give den a higher degree (a small lag will do)"
+            )
+        if len(den) == 1 and self.dead_time == 0.0:
+            raise ModelError(
+                "process: neither lag nor integrator nor dead time: it follows its input at once, set the input"
             )
         poles = np.roots(den)
         unstable = [p for p in poles if p.real > AT_ZERO * np.abs(poles).max()]
@@ -167,8 +178,8 @@ _GAIN = "change of the output over change of the input, both at rest"
 class DeadTime(_Record):
     """`gain e^(-s dead_time)`."""
 
-    gain: float = parameter(1.0, meaning=_GAIN, above=0.0)
-    dead_time: float = parameter(meaning="until the output moves", unit="s", above=0.0, example=1.0)
+    gain: float = parameter(1.0, meaning=_GAIN, least=1 / MOST, most=MOST)
+    dead_time: float = parameter(meaning="until the output moves", unit="s", least=1 / MOST, most=MOST, example=1.0)
 
     def process(self) -> tuple[Array, Array, float]:
         """Numerator, denominator, dead time."""
@@ -179,9 +190,9 @@ class DeadTime(_Record):
 class LagDeadTime(_Record):
     """`gain e^(-s dead_time)/(1 + s lag)`."""
 
-    gain: float = parameter(1.0, meaning=_GAIN, above=0.0)
-    lag: float = parameter(meaning="time constant", unit="s", above=0.0, example=1.0)
-    dead_time: float = parameter(0.0, meaning="until the output moves", unit="s", least=0.0)
+    gain: float = parameter(1.0, meaning=_GAIN, least=1 / MOST, most=MOST)
+    lag: float = parameter(meaning="time constant", unit="s", least=1 / MOST, most=MOST, example=1.0)
+    dead_time: float = parameter(0.0, meaning="until the output moves", unit="s", least=0.0, most=MOST)
 
     def process(self) -> tuple[Array, Array, float]:
         """Numerator, denominator, dead time."""
@@ -192,14 +203,16 @@ class LagDeadTime(_Record):
 class Lags(_Record):
     """`gain e^(-s dead_time)/((1 + s lags[0])(1 + s lags[1]) ...)`."""
 
-    gain: float = parameter(1.0, meaning=_GAIN, above=0.0)
-    lags: tuple[float, ...] = parameter(meaning="time constants", unit="s", above=0.0, example=(2.0, 1.0))
-    dead_time: float = parameter(0.0, meaning="until the output moves", unit="s", least=0.0)
+    gain: float = parameter(1.0, meaning=_GAIN, least=1 / MOST, most=MOST)
+    lags: tuple[float, ...] = parameter(
+        meaning="time constants", unit="s", least=1 / MOST, most=MOST, example=(2.0, 1.0)
+    )
+    dead_time: float = parameter(0.0, meaning="until the output moves", unit="s", least=0.0, most=MOST)
 
     def __post_init__(self) -> None:
         _Record.__post_init__(self)
-        if not self.lags:
-            raise ModelError("process: lags is empty; one time constant at least is needed")
+        if not 0 < len(self.lags) <= ORDER:
+            raise ModelError(f"process: lags holds {len(self.lags)} time constants; 1 to {ORDER} are needed")
 
     def process(self) -> tuple[Array, Array, float]:
         """Numerator, denominator, dead time."""
@@ -220,12 +233,12 @@ class TwoLags(Lags):
 class IntegratingLag(_Record):
     """`gain e^(-s dead_time)/(s integral_time (1 + s lag))`."""
 
-    gain: float = parameter(1.0, meaning="over integral_time: rate of the output per input", above=0.0)
+    gain: float = parameter(1.0, meaning="over integral_time: rate of the output per input", least=1 / MOST, most=MOST)
     integral_time: float = parameter(
-        meaning="until the output has moved by the input", unit="s", above=0.0, example=1.0
+        meaning="until the output has moved by the input", unit="s", least=1 / MOST, most=MOST, example=1.0
     )
-    lag: float = parameter(0.0, meaning="time constant", unit="s", least=0.0, example=0.1)
-    dead_time: float = parameter(0.0, meaning="until the output moves", unit="s", least=0.0)
+    lag: float = parameter(0.0, meaning="time constant", unit="s", least=0.0, most=MOST, example=0.1)
+    dead_time: float = parameter(0.0, meaning="until the output moves", unit="s", least=0.0, most=MOST)
 
     def process(self) -> tuple[Array, Array, float]:
         """Numerator, denominator, dead time."""
@@ -239,7 +252,7 @@ class TransferFunction(_Record):
 
     num: tuple[float, ...] = parameter(meaning="numerator, falling powers of s", example=(1.0,))
     den: tuple[float, ...] = parameter(meaning="denominator, falling powers of s", example=(1.0, 1.0))
-    dead_time: float = parameter(0.0, meaning="until the output moves", unit="s", least=0.0)
+    dead_time: float = parameter(0.0, meaning="until the output moves", unit="s", least=0.0, most=MOST)
 
     def process(self) -> tuple[Array, Array, float]:
         """Numerator, denominator, dead time."""

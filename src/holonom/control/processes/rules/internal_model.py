@@ -27,7 +27,7 @@ class LambdaSettings:
 
     closed_lag: float | None = parameter(
         None, meaning="lambda, lag of the closed loop; none: the process's lag, integrating: three dead times",
-        unit="s", above=0.0,
+        unit="s", least=1e-9, most=1e9,
     )  # fmt: skip
 
     def __post_init__(self) -> None:

@@ -24,10 +24,10 @@ class SampledSettings:
         A number outside its range.
     """
 
-    sample_time: float = parameter(meaning="of the regulator", unit="s", above=0.0, example=0.1)
+    sample_time: float = parameter(meaning="of the regulator", unit="s", least=1e-9, most=1e9, example=0.1)
     delay_samples: int = parameter(1, meaning="for computing", least=0, most=100)
     margin_deg: float = parameter(60.0, meaning="phase margin to keep", unit="deg", above=0.0, below=90.0)
-    ratio: float = parameter(20.0, meaning="Ti over the other lags and delays; integrating", above=1.0)
+    ratio: float = parameter(20.0, meaning="Ti over the other lags and delays; integrating", above=1.0, most=1e6)
 
     def __post_init__(self) -> None:
         check_fields(self)

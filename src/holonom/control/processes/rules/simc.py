@@ -24,7 +24,9 @@ class SimcSettings:
         A number outside its range.
     """
 
-    tau_c: float | None = parameter(None, meaning="lag of the closed loop; none: the dead time", unit="s", above=0.0)
+    tau_c: float | None = parameter(
+        None, meaning="lag of the closed loop; none: the dead time", unit="s", least=1e-9, most=1e9
+    )
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -24,7 +24,7 @@ class SymmetricalSettings:
         A number outside its range.
     """
 
-    ratio: float = parameter(10.0, meaning="Ti over the lag", above=1.0)
+    ratio: float = parameter(10.0, meaning="Ti over the lag", above=1.0, most=1e6)
 
     def __post_init__(self) -> None:
         check_fields(self)
