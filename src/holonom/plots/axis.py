@@ -73,7 +73,7 @@ def draw_steps(time: Array, rows: Mapping[str, Mapping[str, Array]], *, save: st
 def draw_torque_speed(
     speed: Array, peak: Array, lasting: Array | None, cycle: tuple[Array, Array], *, save: str | Path | None = None
 ) -> Figure:
-    """Draw the plane of a motor: greatest torque (n,), N m, over speed (n,), rad/s, what it bears for ever, a cycle in it.
+    """Draw the plane of a motor: greatest torque (n,), N m, over speed (n,), rad/s; what it bears for ever; a cycle.
 
     Raises
     ------

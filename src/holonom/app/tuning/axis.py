@@ -91,6 +91,10 @@ def axis_of(read: AxisFile) -> tuple[Axis, SampleTimes, ThermalModel | None]:
     return axis, times, sheet.thermal() if printed else None
 
 
+SHOWN = (
+    "resistance", "inductance", "torque_constant", "back_emf_constant", "rotor_inertia", "max_voltage", "max_current",
+)  # fmt: skip
+"""What is said of a motor."""
 LEAST_INERTIA = 1e-6
 """Of a load that has none, part of the rotor's."""
 
@@ -110,9 +114,7 @@ def _wanted(file: TuningFile) -> WantedAxis:
 
 def _data(read: AxisFile, found: AxisTuning) -> dict[str, Any]:
     motor = found.axis.motor
-    shown = {key: getattr(motor, key) for key in (
-        "resistance", "inductance", "torque_constant", "back_emf_constant", "rotor_inertia", "max_voltage", "max_current",
-    )}  # fmt: skip
+    shown = {key: getattr(motor, key) for key in SHOWN}
     return {
         "motor": {"name": read.motor.title, "source": read.motor.source, **shown},
         "loops": {name: _loop(loop) for name, loop in found.loops.items()},

@@ -1,0 +1,104 @@
+"""`holonom tune AXIS.toml`: answers, the report, and what is refused."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from holonom.app.console.cli import main
+
+AXIS = """
+[motor]
+preset = "maxon_re40_48v"
+[supply]
+voltage = 48
+current_limit = "10 A"
+[load]
+inertia = 3e-5
+coulomb = 0.002
+[encoder]
+counts = 2000
+"""
+
+
+def toml(folder: Path, text: str) -> str:
+    path = folder / "axis.toml"
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+def answer(capsys: pytest.CaptureFixture[str], *words: str) -> Any:
+    assert main([*words, "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_gains_what_they_do_and_a_report(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = toml(tmp_path, AXIS)
+    data = answer(capsys, "tune", file, "-o", str(tmp_path / "out"))
+    assert set(data) == {"motor", "loops", "verified", "warnings"}
+    assert set(data["loops"]) == {"current", "speed", "position"}
+    keys = {"form", "Kc", "Ti", "Td", "crossover", "phase_margin_deg", "gain_margin", "delay"}
+    assert all(set(loop) == keys for loop in data["loops"].values())
+    v = data["verified"]
+    assert set(v) >= {
+        "overshoot_percent", "settling_time", "following_error", "peak_current", "peak_voltage", "winding_temperature",
+        "position_ripple",
+    }  # fmt: skip
+    assert v["overshoot_percent"] <= 1.0
+    assert v["settling_time"] <= 0.15
+    assert v["end_error"] <= 2 * 2.0 * math.pi / 2000
+    assert 45.0 <= data["loops"]["speed"]["phase_margin_deg"] <= 70.0
+    assert data["loops"]["current"]["Ti"] == pytest.approx(0.33e-3 / 1.13, rel=1e-6)
+    assert data["motor"]["name"] == "maxon RE 40 148877 48 V"
+    assert json.loads((tmp_path / "out" / "tuning.json").read_text("utf-8")) == data
+    page = (tmp_path / "out" / "report.html").read_text("utf-8")
+    assert page.count("<svg") == 5
+    for heading in ("The axis", "Gains", "A step", "A move there and back", "Torque and speed", "Spread"):
+        assert f"<h2>{heading}</h2>" in page
+    step = np.loadtxt(tmp_path / "out" / "step.csv", delimiter=",", skiprows=1)
+    assert step[-1, 2] == pytest.approx(1.0, abs=0.01)
+    assert main(["tune", file]) == 0
+    assert "settles in 97 ms" in capsys.readouterr().out
+
+
+def test_a_sheet_instead_of_a_preset_and_wishes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    sheet = '[motor]\nU = 48\nR = 1.13\nL = "0.33 mH"\nkM = 0.0603\nJ = 1.37e-5\nI0 = 0.0686\nn0 = 7590\n'
+    rest = AXIS.split("\n", 3)[3].replace("2000", "200")
+    file = toml(tmp_path, sheet + rest + "[wanted]\nstep = 0.5\nsettling_time = 0.001\n[gear]\nratio = 10\n")
+    data = answer(capsys, "tune", file)
+    assert [warning["name"] for warning in data["warnings"]] == ["encoder_supervision", "wanted_settling_time"]
+    assert all({"name", "text", "value", "wanted"} == set(warning) for warning in data["warnings"])
+    assert data["verified"]["winding_temperature"] is None
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("[encoder]\ncounts = 2000\n", "", "a table [encoder] is needed to tune an axis"),
+        ("inertia = 3e-5", "inertia = -1.0", "inertia"),
+        ("counts = 2000", "counts = 2000\n[wanted]\nspeed = 1000.0", "48 V give less than 796.02 rad/s"),
+        ("counts = 2000", "counts = 2000\n[wanted]\nsped = 10.0", "did you mean 'speed'"),
+        ("counts = 2000", "counts = 2000\n[wanted]\nspeed = -3.0", "speed is -3.0"),
+        ("counts = 2000", "counts = 2000\n[sample]\ncurrent = 1e-3", "no loop slower than the one around it"),
+        ("maxon_re40_48v", "maxon_re41", "maxon_re40_48v"),
+    ],
+)
+def test_what_is_wrong_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, said: str
+) -> None:
+    file = toml(tmp_path, AXIS.replace(old, new))
+    assert main(["tune", file, "-o", str(tmp_path / "out")]) == 2
+    text = capsys.readouterr().err
+    assert said in text
+    assert "axis.toml" in text
+    assert not (tmp_path / "out" / "tuning.json").exists()
+
+
+def test_a_rule_is_for_a_process(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["tune", toml(tmp_path, AXIS), "--rule", "simc"]) == 2
+    assert "rules are for a [process]" in capsys.readouterr().err
