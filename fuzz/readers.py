@@ -76,7 +76,7 @@ def _description(path: Path) -> object:
 
 
 def _sheet(path: Path) -> object:
-    from holonom.app.tuning.file import tune_file
+    from holonom.app.drives.tuning.file import tune_file
 
     return tune_file(path)
 

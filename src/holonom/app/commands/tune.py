@@ -19,14 +19,14 @@ class Options:
     file: Path = argument("TOML with a table [process], or [motor] and the tables of an axis", metavar="FILE")
     rule: str | None = option(
         None, "of holonom methods rules, or all; by the process unless given",
-        choices="holonom.app.tuning.process:RULE_NAMES",
+        choices="holonom.app.drives.tuning.process:RULE_NAMES",
     )  # fmt: skip
     output: Path | None = output("report.html, tuning.json, step.csv go here")
 
 
 def run(options: Options) -> Answer:
     """Tune; raises as `tune_file` does."""
-    from holonom.app.tuning.file import tune_file
+    from holonom.app.drives.tuning.file import tune_file
 
     return tune_file(options.file, rule=options.rule, output=options.output)
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from holonom.app.console.answer import Answer
 from holonom.app.console.output import prepare_output
-from holonom.app.tuning.tables import TuningFile
+from holonom.app.drives.tuning.tables import TuningFile
 from holonom.control.processes import (
     PROCESSES,
     RULES,

@@ -12,7 +12,7 @@ from typing import Any
 from holonom.app.console.answer import Answer
 from holonom.app.console.output import prepare_output
 from holonom.app.drives.files import AxisFile, read_axis
-from holonom.app.tuning.tables import TuningFile
+from holonom.app.drives.tuning.tables import TuningFile
 from holonom.closed_loop.axis_tuning import AxisLoop, AxisTuning, WantedAxis, tune_axis
 from holonom.control import SampleTimes
 from holonom.devices import Encoder, Gear
@@ -49,7 +49,7 @@ def tune_axis_file(file: TuningFile, rule: str | None = None, output: Path | Non
         raise ModelError(f"{file.path}: {problem}") from None
     data = _data(read, found)
     if output is not None:
-        from holonom.app.tuning.axis_report import write_report
+        from holonom.app.drives.tuning.axis_report import write_report
 
         folder = prepare_output(output)
         (folder / "tuning.json").write_text(json.dumps(data, indent=2, allow_nan=False) + "\n", encoding="utf-8")

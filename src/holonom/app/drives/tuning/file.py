@@ -7,10 +7,10 @@ from pathlib import Path
 from types import MappingProxyType
 
 from holonom.app.console.answer import Answer
+from holonom.app.drives.tuning.axis import tune_axis_file
+from holonom.app.drives.tuning.process import tune_process_file
+from holonom.app.drives.tuning.tables import TuningFile
 from holonom.app.fields.toml_faults import parse_toml
-from holonom.app.tuning.axis import tune_axis_file
-from holonom.app.tuning.process import tune_process_file
-from holonom.app.tuning.tables import TuningFile
 from holonom.errors import ModelError
 from holonom.files import read_text
 
