@@ -111,7 +111,7 @@ def test_the_guide_answers_for_every_process(
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "1: nothing came; a table [process] is needed"),
+        ("", "1: nothing came; a table [process] or [motor] is needed"),
         ("[proces]\nlag = 1\n", "1: [proces] came; a table [process]"),
         ("process = 3\n", "1: process: 3 came; a table [process] is expected"),
         ("[process]\ngain = 1\n", "process.kind: None came; it must be one of dead_time"),
