@@ -152,6 +152,6 @@ def test_faults_that_exclude_each_other() -> None:
 
     gains = design_cascade(PLAIN.servo_axis())
     with pytest.raises(OutOfLimits, match="another fault of the same lines"):
-        simulate_axis(PLAIN, gains, [0.0], faults=[AxisFault("encoder_dead"), AxisFault("channels_swapped")])
+        simulate_axis(PLAIN, gains, [0.0], faults=["encoder_dead", "channels_swapped"])
     with pytest.raises(OutOfLimits, match="all break at one time"):
         simulate_axis(PLAIN, gains, [0.0], faults=[AxisFault("encoder_dead", 0.1), AxisFault("phase_lost", 0.2)])

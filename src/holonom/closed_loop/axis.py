@@ -89,7 +89,7 @@ def simulate_axis(
     feed_forward: bool = True,
     drive: DriveSettings = DriveSettings(),
     known: Axis | None = None,
-    faults: Iterable[AxisFault] = (),
+    faults: Iterable[AxisFault | str] = (),
     stop: tuple[float, int] | None = None,
 ) -> AxisRun:
     """Run an axis along a reference.
@@ -107,7 +107,7 @@ def simulate_axis(
     drive, known
         How the drive starts, supervises, stops; the axis that it believes in where that is another one.
     faults, stop
-        What breaks; time (s) and category (0, 1, 2) of a stop that is asked for.
+        What breaks (a name alone: from the start); time (s) and category (0, 1, 2) of a stop that is asked for.
 
     Raises
     ------
@@ -119,15 +119,16 @@ def simulate_axis(
     if loop not in OUTER:
         raise OutOfLimits(f"simulate_axis: loop is {loop!r}; it must be one of {', '.join(OUTER)}")
     given = _reference(reference)
-    n, ratio, dt, faults = given.shape[1], axis.gear.ratio, gains.times.current, tuple(faults)
+    n, ratio, dt = given.shape[1], axis.gear.ratio, gains.times.current
+    broken = tuple(AxisFault(fault) if isinstance(fault, str) else fault for fault in faults)
     at_motor = given if loop == "current" else ratio * given
     if not feed_forward or loop == "current":
         at_motor = np.stack([at_motor[0], np.zeros(n), np.zeros(n)])
     believed = known if known is not None else axis
     params = drive_params(believed.servo_axis(), believed.known_friction, gains, loop, drive, feed_forward)
-    plant = _plant(axis, drive, faults, dt)
+    plant = _plant(axis, drive, broken, dt)
     asked_step, category = _stop(stop, dt)
-    goes_on = stop is not None or faults or drive.start == "off"
+    goes_on = stop is not None or broken or drive.start == "off"
     ticks = n + (round(LONGEST_STOP / gains.times.position) if goes_on else 0)
     log, events = np.empty((ROWS, ticks)), np.zeros((16, 2), dtype=np.int64)
     many = run_axis(

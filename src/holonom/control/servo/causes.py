@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from enum import IntEnum
 
+from holonom.control.servo.limits import Violation
+
 __all__ = ["Cause"]
 
 
 class Cause(IntEnum):
-    """Causes of a stop: limits (as `Violation`), faults that a watch finds, checks that fail before the start."""
+    """Causes of a stop: limits, faults that a watch finds, checks that fail before the start."""
 
-    LOST_REFERENCE = 1
-    POSITION_LOW = 2
-    POSITION_HIGH = 3
-    FOLLOWING_ERROR = 4
-    OVERSPEED = 5
-    OVERCURRENT = 6
+    LOST_REFERENCE = Violation.LOST_REFERENCE
+    POSITION_LOW = Violation.POSITION_LOW
+    POSITION_HIGH = Violation.POSITION_HIGH
+    FOLLOWING_ERROR = Violation.FOLLOWING_ERROR
+    OVERSPEED = Violation.SPEED
+    OVERCURRENT = Violation.CURRENT
     LINE_BROKEN = 11
     CHECKSUM = 12
     CHANNEL_STUCK = 13
