@@ -67,6 +67,14 @@ def test_a_step_is_that_of_a_stiff_solver(seed: int, speed: float) -> None:
     np.testing.assert_allclose(pmsm_step(m.params(), half, u, speed, 0.5 * dt), found, rtol=1e-10, atol=1e-10)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_very_long_step_settles(seed: int) -> None:
+    m, u = machine(seed), Dq(1.0, 2.0)
+    for speed in (0.0, 50.0, 2000.0):
+        settled = m.voltage(pmsm_step(m.params(), Dq(5.0, 5.0), u, speed, 100.0), speed)
+        np.testing.assert_allclose(settled, u, rtol=1e-9)
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_power_goes_to_copper_field_and_shaft(seed: int) -> None:
     m, speed, u, steps, dt = machine(seed), 200.0, Dq(3.0, 20.0), 2000, 1e-6

@@ -94,7 +94,7 @@ from holonom.devices.motors.reluctance import (
     reluctance_step,
     reluctance_torque,
 )
-from holonom.devices.motors.sheet_check import CONTRADICTION, NOTE, WARNING, Finding, SheetCheck, check_sheet
+from holonom.devices.motors.sheet_check import Finding, SheetCheck, check_sheet
 from holonom.devices.motors.six_step import SixStep, SixStepParams, hall_sector, six_step_step, six_step_torque
 from holonom.devices.motors.stepper import Stepper, StepperParams, StepperState, stepper_step, stepper_torque
 from holonom.devices.motors.thermal import Temperatures, ThermalModel, ThermalParams, thermal_step
@@ -120,11 +120,8 @@ from holonom.devices.transmission.kernels import (
 from holonom.devices.transmission.lugre import LuGre
 
 __all__ = [
-    "CONTRADICTION",
     "DEVICES",
     "MOTORS",
-    "NOTE",
-    "WARNING",
     "Accelerometer",
     "AngleTable",
     "ArmatureParams",
