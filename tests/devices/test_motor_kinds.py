@@ -219,29 +219,42 @@ def test_reluctance_torque_is_the_slope_of_the_coenergy(x: float) -> None:
     assert reluctance_torque(p, 7.0, x) == pytest.approx(slope, rel=1e-6)
 
 
-def test_a_cycle_turns_electric_energy_into_copper_and_shaft() -> None:
-    """Own integration of a period, much finer, of voltage, flux and torque."""
-    speed, p = 60.0, SRM.params()
-    on, off = SRM.best_angles(speed, 8.0)
-    steps = 40000
+@pytest.mark.parametrize("speed", [60.0, 300.0])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_cycle_turns_electric_energy_into_copper_and_shaft(seed: int, speed: float) -> None:
+    """Own integration of the third period, finer, by Euler's rule with a hysteresis chopper, of random machines."""
+    rng = np.random.default_rng(seed)
+    R, low, ratio, poles = (
+        rng.uniform(0.2, 1.0),
+        rng.uniform(1e-3, 3e-3),
+        rng.uniform(3.0, 8.0),
+        int(rng.integers(2, 8)),
+    )
+    motor = SwitchedReluctance(R, low, ratio * low, poles, 3, 48.0, 10.0)
+    mean, swing = 0.5 * low * (ratio + 1.0), 0.5 * low * (ratio - 1.0)
+    on, off = motor.best_angles(speed, 8.0)
+    steps = 12000
     dx = 2.0 * math.pi / steps
-    dt = dx / (4.0 * speed)
-    flux, taken, copper, shaft = 0.0, 0.0, 0.0, 0.0
-    for k in range(steps):
+    dt = dx / (poles * speed)
+    flux, taken, copper, shaft, began = 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(3 * steps):
+        if k == 2 * steps:
+            taken, copper, shaft, began = 0.0, 0.0, 0.0, flux
         x = -0.5 * math.pi + (k + 0.5) * dx
-        inductance = 6e-3 - 4e-3 * math.cos(x)
-        current = flux / inductance
+        current = flux / (mean - swing * math.cos(x))
         inside = (x - on) % (2.0 * math.pi) < off - on
         voltage = (48.0 if current < 8.0 else -48.0) if inside else (-48.0 if flux > 0.0 else 0.0)
         taken += voltage * current * dt
-        copper += 0.5 * current**2 * dt
-        shaft += 0.5 * current**2 * 4.0 * 4e-3 * math.sin(x) * speed * dt
-        flux = max(flux + dt * (voltage - 0.5 * current), 0.0)
-    assert flux == pytest.approx(0.0, abs=1e-3)
-    assert taken == pytest.approx(copper + shaft, rel=5e-3)
-    period = 2.0 * math.pi / (4.0 * speed)
-    assert SRM.cycle((on, off), speed, 8.0).torque == pytest.approx(3.0 * shaft / speed / period, rel=0.02)
-    assert reluctance_step(p, 0.0, -48.0, 1.0, 1e-4) == 0.0
+        copper += R * current**2 * dt
+        shaft += 0.5 * current**2 * poles * swing * math.sin(x) * speed * dt
+        flux = max(flux + dt * (voltage - R * current), 0.0)
+    assert flux == pytest.approx(began, abs=2e-3)
+    assert taken == pytest.approx(copper + shaft, rel=0.06)
+    found = motor.cycle((on, off), speed, 8.0)
+    period = 2.0 * math.pi / (poles * speed)
+    assert found.torque == pytest.approx(3.0 * shaft / speed / period, rel=0.02)
+    assert found.rms == pytest.approx(math.sqrt(copper / R / period), rel=0.02)
+    assert reluctance_step(motor.params(), 0.0, -48.0, 1.0, 1e-4) == 0.0
 
 
 @pytest.fixture(scope="module")
