@@ -20,16 +20,16 @@ from holonom.devices import (
     InductionMotor,
     InductionState,
     Stepper,
-    StepperState,
     SwitchedReluctance,
     check_angles,
     cogging_torque,
     induction_step,
     reluctance_step,
     reluctance_torque,
-    stepper_step,
+    run_reluctance,
+    run_stepper,
 )
-from holonom.errors import ModelError, OutOfLimits
+from holonom.errors import ModelError, NotFinite, OutOfLimits, ShapeError
 
 
 def case(data_folder: Path, start: str) -> dict[str, Any]:
@@ -56,21 +56,12 @@ def test_published_stepper(data_folder: Path) -> None:
 
 def swing(motor: Stepper, rates: np.ndarray, load: float = 0.0, dt: float = 2e-5) -> np.ndarray:
     """Angles while the command turns at `rates` (rad/s of the shaft), one each step."""
-    state, command, angles = StepperState(0.0, 0.0), 0.0, []
-    params = motor.params()
-    for rate in rates:
-        command += dt * rate
-        state = stepper_step(params, state, command, load, dt)
-        angles.append(state.angle)
-    return np.array(angles)
+    return run_stepper(motor, dt * np.cumsum(rates), load, dt=dt).angle
 
 
 def test_a_small_swing_has_the_natural_frequency_and_keeps_its_energy() -> None:
-    state, angles = StepperState(1e-4, 0.0), []
-    for _ in range(20000):
-        state = stepper_step(NEMA17.params(), state, 0.0, 0.0, 2e-5)
-        angles.append(state.angle)
-    rising = np.flatnonzero((np.array(angles)[:-1] < 0.0) & (np.array(angles)[1:] >= 0.0))
+    angles = run_stepper(NEMA17, np.zeros(20000), dt=2e-5, angle=1e-4).angle
+    rising = np.flatnonzero((angles[:-1] < 0.0) & (angles[1:] >= 0.0))
     frequency = (rising.size - 1) / ((rising[-1] - rising[0]) * 2e-5)
     assert frequency == pytest.approx(NEMA17.natural_frequency, rel=2e-3)
     assert max(np.abs(angles[-500:])) == pytest.approx(1e-4, rel=2e-3)
@@ -84,25 +75,21 @@ def test_a_load_bends_the_rotor_by_its_deflection(load: float) -> None:
 
 def test_steps_are_lost_in_fours_under_overload_and_at_resonance() -> None:
     damped = replace(NEMA17, viscous=2e-3)
-    time = 2e-5 * np.arange(30000)
-    kick = np.where(time < 0.3, 0.7 * math.sin(1.0), 0.0)
-    state, params = StepperState(0.0, 0.0), damped.params()
-    for push in kick:
-        state = stepper_step(params, state, 0.0, push, 2e-5)
-    lost = damped.lost_steps(state.angle, 0.0)
-    assert lost > 0
-    assert lost % 4 == 0
-    assert damped.lost_steps(swing(damped, np.full(15000, 1.0))[-1], 0.3) == 0
+    pushed = np.where(np.arange(30000) < 15000, 0.6, 0.0)
+    run = run_stepper(damped, np.zeros(30000), pushed, dt=2e-5)
+    assert run.lost_steps > 0
+    assert run.lost_steps % 4 == 0
+    assert run.speed[-1] == pytest.approx(0.0, abs=1e-3)
+    held = run_stepper(damped, np.zeros(30000), 0.5 * pushed, dt=2e-5)
+    assert held.lost_steps == 0
+    fast = 1e-3 * np.arange(30000)  # 50 rad/s at once: the rotor cannot follow
+    assert run_stepper(damped, fast, 0.05, dt=2e-5).lost_steps > 100
 
     def stepped(rate: float) -> float:
         """Largest swing about the command while full steps come at `rate` (Hz)."""
-        state, worst = StepperState(0.0, 0.0), 0.0
-        weak = replace(NEMA17, viscous=2e-4).params()
-        for k in range(15000):
-            command = math.floor(rate * k * 2e-5) * NEMA17.full_step
-            state = stepper_step(weak, state, command, 0.0, 2e-5)
-            worst = max(worst, abs(state.angle - command))
-        return worst
+        command = np.floor(rate * 2e-5 * np.arange(15000)) * NEMA17.full_step
+        run = run_stepper(replace(NEMA17, viscous=2e-4), command, dt=2e-5)
+        return float(np.abs(run.angle - command).max())
 
     slow, resonant = stepped(15.0), stepped(NEMA17.natural_frequency / 2.0)
     assert resonant > 1.2 * slow
@@ -232,29 +219,42 @@ def test_reluctance_torque_is_the_slope_of_the_coenergy(x: float) -> None:
     assert reluctance_torque(p, 7.0, x) == pytest.approx(slope, rel=1e-6)
 
 
-def test_a_cycle_turns_electric_energy_into_copper_and_shaft() -> None:
-    """Own integration of a period, much finer, of voltage, flux and torque."""
-    speed, p = 60.0, SRM.params()
-    on, off = SRM.best_angles(speed, 8.0)
-    steps = 40000
+@pytest.mark.parametrize("speed", [60.0, 300.0])
+@pytest.mark.parametrize("seed", range(3))
+def test_a_cycle_turns_electric_energy_into_copper_and_shaft(seed: int, speed: float) -> None:
+    """Own integration of the third period, finer, by Euler's rule with a hysteresis chopper, of random machines."""
+    rng = np.random.default_rng(seed)
+    R, low, ratio, poles = (
+        rng.uniform(0.2, 1.0),
+        rng.uniform(1e-3, 3e-3),
+        rng.uniform(3.0, 8.0),
+        int(rng.integers(2, 8)),
+    )
+    motor = SwitchedReluctance(R, low, ratio * low, poles, 3, 48.0, 10.0)
+    mean, swing = 0.5 * low * (ratio + 1.0), 0.5 * low * (ratio - 1.0)
+    on, off = motor.best_angles(speed, 8.0)
+    steps = 12000
     dx = 2.0 * math.pi / steps
-    dt = dx / (4.0 * speed)
-    flux, taken, copper, shaft = 0.0, 0.0, 0.0, 0.0
-    for k in range(steps):
+    dt = dx / (poles * speed)
+    flux, taken, copper, shaft, began = 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(3 * steps):
+        if k == 2 * steps:
+            taken, copper, shaft, began = 0.0, 0.0, 0.0, flux
         x = -0.5 * math.pi + (k + 0.5) * dx
-        inductance = 6e-3 - 4e-3 * math.cos(x)
-        current = flux / inductance
+        current = flux / (mean - swing * math.cos(x))
         inside = (x - on) % (2.0 * math.pi) < off - on
         voltage = (48.0 if current < 8.0 else -48.0) if inside else (-48.0 if flux > 0.0 else 0.0)
         taken += voltage * current * dt
-        copper += 0.5 * current**2 * dt
-        shaft += 0.5 * current**2 * 4.0 * 4e-3 * math.sin(x) * speed * dt
-        flux = max(flux + dt * (voltage - 0.5 * current), 0.0)
-    assert flux == pytest.approx(0.0, abs=1e-3)
-    assert taken == pytest.approx(copper + shaft, rel=5e-3)
-    period = 2.0 * math.pi / (4.0 * speed)
-    assert SRM.cycle((on, off), speed, 8.0).torque == pytest.approx(3.0 * shaft / speed / period, rel=0.02)
-    assert reluctance_step(p, 0.0, -48.0, 1.0, 1e-4) == 0.0
+        copper += R * current**2 * dt
+        shaft += 0.5 * current**2 * poles * swing * math.sin(x) * speed * dt
+        flux = max(flux + dt * (voltage - R * current), 0.0)
+    assert flux == pytest.approx(began, abs=2e-3)
+    assert taken == pytest.approx(copper + shaft, rel=0.06)
+    found = motor.cycle((on, off), speed, 8.0)
+    period = 2.0 * math.pi / (poles * speed)
+    assert found.torque == pytest.approx(3.0 * shaft / speed / period, rel=0.02)
+    assert found.rms == pytest.approx(math.sqrt(copper / R / period), rel=0.02)
+    assert reluctance_step(motor.params(), 0.0, -48.0, 1.0, 1e-4) == 0.0
 
 
 @pytest.fixture(scope="module")
@@ -296,6 +296,28 @@ def test_a_coarse_sensor_costs_torque() -> None:
     assert replace(SRM, sensor_steps=360).cycle(SRM.best_angles(60.0, 8.0), 60.0, 8.0).torque > 0.97 * fine
 
 
+@pytest.mark.parametrize("speed", [60.0, -60.0])
+@pytest.mark.parametrize("asked", [8.0, -8.0])
+def test_all_four_quadrants_at_a_held_speed(angles: AngleTable, speed: float, asked: float) -> None:
+    """A heavy shaft: the mean torque is that of the settled period, whatever the direction."""
+    run = run_reluctance(SRM, angles, np.full(20000, asked), inertia=1e4, dt=2e-5, speed=speed)
+    braking = asked * speed < 0.0
+    cycle = SRM.cycle(angles.angles(speed, 8.0, braking=braking), speed, 8.0)
+    assert run.torque[5000:].mean() == pytest.approx(math.copysign(cycle.torque, asked), rel=0.03)
+    assert run.current.max() <= 8.0 * 1.05
+
+
+@pytest.mark.parametrize("sensor", ["optical", "hall"])
+def test_it_starts_brakes_and_turns_back(angles: AngleTable, sensor: str) -> None:
+    asked = np.where(np.arange(60000) < 20000, 8.0, -8.0)
+    motor = replace(SRM, sensor=sensor)
+    run = run_reluctance(motor, angles, asked, inertia=5e-3, dt=2e-5)
+    assert run.speed[19999] > 10.0
+    assert run.speed[-1] < -5.0
+    turned = run_reluctance(replace(motor, sensor_offset=math.pi), angles, asked[:20000], inertia=5e-3, dt=2e-5)
+    assert turned.speed[-1] < 0.5 * run.speed[19999]
+
+
 def test_wrong_tables_and_motors_are_refused(angles: AngleTable) -> None:
     with pytest.raises(ModelError, match="must grow"):
         replace(angles, speeds=np.array([3.0, 2.0, 1.0]))
@@ -303,6 +325,14 @@ def test_wrong_tables_and_motors_are_refused(angles: AngleTable) -> None:
         replace(SRM, aligned_inductance=1e-3)
     with pytest.raises(OutOfLimits, match="no switching angles"):
         SRM.best_angles(10.0, 0.0)
+    with pytest.raises(ShapeError, match="load"):
+        run_reluctance(SRM, angles, [1.0, 2.0], [1.0], inertia=1.0, dt=1e-4)
+    with pytest.raises(ModelError, match="inertia"):
+        run_reluctance(SRM, angles, [1.0], inertia=0.0, dt=1e-4)
+    with pytest.raises(ModelError, match="dt"):
+        run_stepper(NEMA17, [0.0], dt=1e-2)
+    with pytest.raises(NotFinite):
+        run_stepper(NEMA17, [math.nan], dt=1e-5)
     with pytest.raises(ModelError, match="speed"):
         SRM.cycle((0.0, 1.0), 0.0, 1.0)
 

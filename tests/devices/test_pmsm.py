@@ -67,6 +67,14 @@ def test_a_step_is_that_of_a_stiff_solver(seed: int, speed: float) -> None:
     np.testing.assert_allclose(pmsm_step(m.params(), half, u, speed, 0.5 * dt), found, rtol=1e-10, atol=1e-10)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_a_very_long_step_settles(seed: int) -> None:
+    m, u = machine(seed), Dq(1.0, 2.0)
+    for speed in (0.0, 50.0, 2000.0):
+        settled = m.voltage(pmsm_step(m.params(), Dq(5.0, 5.0), u, speed, 100.0), speed)
+        np.testing.assert_allclose(settled, u, rtol=1e-9)
+
+
 @pytest.mark.parametrize("seed", range(8))
 def test_power_goes_to_copper_field_and_shaft(seed: int) -> None:
     m, speed, u, steps, dt = machine(seed), 200.0, Dq(3.0, 20.0), 2000, 1e-6
@@ -194,6 +202,28 @@ def test_published_six_steps(data_folder: Path) -> None:
     found = case(data_folder, "six-step")
     assert SixStep().mean_over_peak == pytest.approx(found["expected"]["mean_over_peak"], abs=found["tol"])
     assert SixStep().ripple_over_mean == pytest.approx(found["expected"]["ripple_pp_over_mean"], abs=found["tol"])
+
+
+def trapezoid(x: float) -> float:
+    """Back-emf of a phase, flat over 120 degrees, x from the middle of its top."""
+    return float(np.interp(math.remainder(x, 2.0 * math.pi), np.radians([-180, -120, -60, 60, 120, 180]),
+                           [-1.0, -1.0, 1.0, 1.0, -1.0, -1.0]))  # fmt: skip
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.3, -0.9, 1.4, 2.5])
+def test_trapezoidal_back_emf_by_its_phases(offset: float) -> None:
+    six = SixStep(offset, "trapezoid")
+    params = six.params(FLAT)
+    assert params.constant == pytest.approx(2.0 * FLAT.pole_pairs * FLAT.flux)
+    angles = (np.arange(3600) + 0.5) * 2.0 * math.pi / 3600 / FLAT.pole_pairs
+    made = np.array([six_step_torque(params, angle) for angle in angles]) / params.constant
+    for angle, torque in zip(angles[::50], made[::50], strict=True):
+        top = (hall_sector(params, angle) + 0.5) * math.pi / 3.0  # where the two phases are both on their tops
+        x = FLAT.pole_pairs * angle - top
+        pair = 0.5 * (trapezoid(x - math.pi / 6.0) - trapezoid(x - math.pi / 6.0 - 2.0 * math.pi / 3.0))
+        assert torque == pytest.approx(pair, abs=1e-9)
+    assert made.mean() == pytest.approx(six.mean_over_peak, abs=1e-3)
+    assert np.ptp(made) / abs(made.mean()) == pytest.approx(six.ripple_over_mean, rel=2e-2, abs=1e-9)
 
 
 @pytest.mark.parametrize("offset", [0.0, 0.2, -0.7, 1.2])

@@ -6,9 +6,9 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 `DcMotor`               armature, constants, limits; `A_M`, `A_T`, `T_M`, `T_V`, damping
 `MotorSheet`            what a vendor prints; `check_sheet`: does it agree with itself
 `Pmsm`                  synchronous or brushless; `FieldOrientation` and `SixStep` drive it, `run_pmsm` runs it
-`Stepper`               microsteps, resonance, lost steps
+`Stepper`               microsteps, resonance, lost steps (`run_stepper`)
 `InductionMotor`        Kloss' characteristic; `InductionMachine` in space vectors
-`SwitchedReluctance`    its switching angles, by speed and current; `check_angles`
+`SwitchedReluctance`    its switching angles, by speed and current (`check_angles`, `run_reluctance`)
 `Cogging`               torque of the slots, and the dead band that it makes
 `ThermalModel`          winding and housing: duty, time to a limit, largest continuous current
 `Brake`                 holds without power, with its delays
@@ -163,15 +163,25 @@ from holonom.devices.motors.reluctance import (
     AngleTable,
     ReluctanceCycle,
     ReluctanceParams,
+    ReluctanceRun,
     SwitchedReluctance,
     reluctance_cycle,
     reluctance_on,
     reluctance_step,
     reluctance_torque,
+    run_reluctance,
 )
-from holonom.devices.motors.sheet_check import CONTRADICTION, NOTE, WARNING, Finding, SheetCheck, check_sheet
+from holonom.devices.motors.sheet_check import Finding, SheetCheck, check_sheet
 from holonom.devices.motors.six_step import SixStep, SixStepParams, hall_sector, six_step_step, six_step_torque
-from holonom.devices.motors.stepper import Stepper, StepperParams, StepperState, stepper_step, stepper_torque
+from holonom.devices.motors.stepper import (
+    Stepper,
+    StepperParams,
+    StepperRun,
+    StepperState,
+    run_stepper,
+    stepper_step,
+    stepper_torque,
+)
 from holonom.devices.motors.thermal import Temperatures, ThermalModel, ThermalParams, thermal_step
 from holonom.devices.power.brake import Brake, BrakeParams, BrakeState, brake_step
 from holonom.devices.power.bridge import BridgeParams, PwmBridge, bridge_voltage
@@ -196,7 +206,6 @@ from holonom.devices.transmission.kernels import (
 from holonom.devices.transmission.lugre import LuGre
 
 __all__ = [
-    "CONTRADICTION",
     "DEVICES",
     "FRAMES",
     "HEALTHY",
@@ -285,6 +294,7 @@ __all__ = [
     "Rejection",
     "ReluctanceCycle",
     "ReluctanceParams",
+    "ReluctanceRun",
     "SheetCheck",
     "SinCosCorrection",
     "SinCosEncoder",
@@ -297,6 +307,7 @@ __all__ = [
     "SteeringParams",
     "Stepper",
     "StepperParams",
+    "StepperRun",
     "StepperState",
     "StictionParams",
     "Supply",
@@ -369,6 +380,8 @@ __all__ = [
     "reluctance_step",
     "reluctance_torque",
     "run_pmsm",
+    "run_reluctance",
+    "run_stepper",
     "select_drive",
     "sincos_signals",
     "six_step_step",

@@ -10,7 +10,8 @@ from typing import Any
 
 from holonom.app.console.answer import Answer
 from holonom.app.drives.files import AxisFile, read_axis
-from holonom.devices import CONTRADICTION, NOTE, WARNING, DcMotor, Finding, best_ratio, check_sheet
+from holonom.devices import DcMotor, Finding, best_ratio, check_sheet
+from holonom.devices.motors.sheet_check import CONTRADICTION, NOTE, WARNING
 from holonom.errors import InputError
 
 __all__ = ["check_drive"]

@@ -117,18 +117,19 @@ _CARDS = (
         "maxon_ec45flat_24v",
         "maxon EC 45 flat 251601 50 W 24 V",
         MotorSheet(
-            U=24.0, R=0.608, L=0.463e-3, kM=33.5e-3, kn=285.0, gradient_rpm_per_mNm=5.17, tau_m=7.3e-3, J=135e-7
+            U=24.0, n0=6710.0, I0=0.185, IN=2.33, R=0.608, L=0.463e-3, kM=33.5e-3, kn=285.0, gradient_rpm_per_mNm=5.17,
+            tau_m=7.3e-3, J=135e-7,
         ),
-        f"{_MAXON}; terminal values; its stall torque lies below kM IA: the iron saturates",
+        f"{_MAXON}; terminal values; its nominal and stall torques are not kM times the currents: left out",
     ),
     MotorCard(
         "maxon_ec90flat_24v",
         "maxon EC 90 flat 323772 90 W 24 V",
         MotorSheet(
-            U=24.0, n0=3190.0, I0=0.538, MH=4.94, IA=70.0, R=0.343, L=0.264e-3, kM=70.5e-3, kn=135.0,
+            U=24.0, n0=3190.0, I0=0.538, IN=6.06, MH=4.94, IA=70.0, R=0.343, L=0.264e-3, kM=70.5e-3, kn=135.0,
             gradient_rpm_per_mNm=0.659, tau_m=21.1e-3, J=3060e-7,
         ),
-        f"{_MAXON}; terminal values",
+        f"{_MAXON}; terminal values; its nominal torque and speed are not those of IN by kM and R: left out",
     ),
     MotorCard(
         "faulhaber_2224_6v",

@@ -26,8 +26,10 @@ __all__ = [
     "FieldParams",
     "FieldState",
     "PmsmRun",
+    "field_best",
     "field_reference",
     "field_step",
+    "field_within",
     "run_pmsm",
 ]
 
@@ -53,33 +55,53 @@ class FieldState(NamedTuple):
 
 
 @loop
+def field_best(params: FieldParams, torque: float) -> Dq:
+    """Currents (A) for a torque (N m) with the greatest torque per ampere, within the current circle."""
+    motor = params.motor
+    psi, twice = motor.flux, 2.0 * (motor.inductance_q - motor.inductance_d)
+    q = _quadrature(abs(torque) / (0.75 * motor.pole_pairs), psi, twice)
+    d = -twice * q * q / (psi + math.sqrt(psi * psi + twice * twice * q * q))
+    square = params.current * params.current
+    if d * d + q * q > square:
+        d = -twice * square / (psi + math.sqrt(psi * psi + 2.0 * twice * twice * square))
+        q = math.sqrt(square - d * d)
+    return Dq(d, math.copysign(q, torque))
+
+
+@loop
+def field_within(params: FieldParams, best: Dq, torque: float, speed: float) -> Dq:
+    """Currents (A) that the voltage circle and the magnets leave of the best ones at a speed (rad/s, shaft)."""
+    motor = params.motor
+    w = motor.pole_pairs * speed
+    u_d = motor.resistance * best.d - w * motor.inductance_q * best.q
+    u_q = motor.resistance * best.q + w * (motor.inductance_d * best.d + motor.flux)
+    most = params.voltage * params.used
+    if u_d * u_d + u_q * u_q <= most * most:
+        return Dq(max(best.d, -params.demagnetising), best.q)
+    drives = 1.0 if torque * speed >= 0.0 else -1.0  # driving, the resistance takes voltage; braking, it gives
+    d, q = _weakened(params, abs(torque), abs(w), drives)
+    return Dq(d, math.copysign(q, torque))
+
+
+@loop
 def field_reference(params: FieldParams, torque: float, speed: float) -> Dq:
     """Currents (A) for a torque (N m) at a speed (rad/s, shaft), within all limits; as near as they allow."""
-    motor = params.motor
-    p, psi, ld, lq = motor.pole_pairs, motor.flux, motor.inductance_d, motor.inductance_q
-    saliency = lq - ld
-    # torque = 3/4 p i_q (psi + sqrt(psi^2 + 4 D^2 i_q^2)) along the best angle: Newton from above
-    wanted = abs(torque)
-    q = wanted / (1.5 * p * psi)
-    for _ in range(6):
-        root = math.sqrt(psi * psi + 4.0 * saliency * saliency * q * q)
-        slope = 0.75 * p * (psi + root + 4.0 * saliency * saliency * q * q / root)
-        q = max(q - (0.75 * p * q * (psi + root) - wanted) / slope, 0.0)
-    root = math.sqrt(psi * psi + 4.0 * saliency * saliency * q * q)
-    d = -2.0 * saliency * q * q / (psi + root)
-    if d * d + q * q > params.current * params.current:
-        root = math.sqrt(psi * psi + 8.0 * saliency * saliency * params.current * params.current)
-        d = -2.0 * saliency * params.current * params.current / (psi + root)
-        q = math.sqrt(params.current * params.current - d * d)
-    w = p * abs(speed)
-    drives = 1.0 if torque * speed >= 0.0 else -1.0  # driving, the resistance takes voltage; braking, it gives
-    most = params.voltage * params.used
-    u_d, u_q = motor.resistance * d - w * lq * q * drives, motor.resistance * q * drives + w * (ld * d + psi)
-    if u_d * u_d + u_q * u_q > most * most:
-        d, q = _weakened(params, wanted, w, drives)
-    else:
-        d = max(d, -params.demagnetising)
-    return Dq(d, math.copysign(q, torque))
+    return field_within(params, field_best(params, torque), torque, speed)
+
+
+@loop
+def _quadrature(wanted: float, flux: float, twice: float) -> float:
+    """Solve `wanted = i_q (psi + sqrt(psi^2 + (2 D i_q)^2))`, the torque along the best angle: Newton from above."""
+    if twice == 0.0:
+        return 0.5 * wanted / flux
+    q = min(0.5 * wanted / flux, math.sqrt(wanted / abs(twice)))
+    for _ in range(8):
+        root = math.sqrt(flux * flux + twice * twice * q * q)
+        change = (q * (flux + root) - wanted) * root / (root * (flux + root) + twice * twice * q * q)
+        q -= change
+        if change <= 1e-5 * q:  # squared, it is the error that is left
+            break
+    return q
 
 
 @loop
@@ -92,7 +114,7 @@ def _weakened(params: FieldParams, wanted: float, w: float, drives: float) -> tu
     low = -min(params.current, params.demagnetising)
     best_d, best_q, best = low, 0.0, -1.0
     centre, spread = 0.5 * low, -0.5 * low
-    for _ in range(7):  # the best of nine points, then of nine about it
+    for _ in range(5):  # the best of nine points, then of nine about it
         for k in range(9):
             d = min(max(centre + spread * (0.25 * k - 1.0), low), 0.0)
             # |u|^2 <= most^2 as a quadratic in q
@@ -111,7 +133,7 @@ def _weakened(params: FieldParams, wanted: float, w: float, drives: float) -> tu
             made = per * q + 1e-6 * d * per  # of equal torques the one with less current
             if made > best:
                 best_d, best_q, best = d, q, made
-        centre, spread = best_d, 0.4 * spread
+        centre, spread = best_d, 0.3 * spread
     return best_d, best_q
 
 
@@ -130,8 +152,9 @@ def field_step(
     asked_d = params.gain_d * error_d + integral_d + feed_d
     asked_q = params.gain_q * error_q + integral_q + feed_q
     d = min(max(asked_d, -params.voltage), params.voltage)
-    left = math.sqrt(max(params.voltage * params.voltage - d * d, 0.0))
-    q = min(max(asked_q, -left), left)
+    q, square = asked_q, params.voltage * params.voltage - d * d
+    if q * q > square:
+        q = math.copysign(math.sqrt(max(square, 0.0)), q)
     if (asked_d - d) * error_d > 0.0:
         integral_d = state.d
     if (asked_q - q) * error_q > 0.0:
@@ -152,8 +175,11 @@ def _run(
 ) -> None:
     """Run; a row of `out` each sample: time, speed, i_d, i_q, u_d, u_q, torque."""
     current, state, speed = Dq(0.0, 0.0), FieldState(0.0, 0.0), start
+    asked, best = 0.0, Dq(0.0, 0.0)
     for k in range(torque.size):
-        reference = field_reference(params, torque[k], speed)
+        if torque[k] != asked:
+            asked, best = torque[k], field_best(params, torque[k])
+        reference = field_within(params, best, asked, speed)
         voltage, state = field_step(params, state, reference, current, speed)
         before = pmsm_torque(params.motor, current)
         current = pmsm_step(params.motor, current, voltage, speed, dt)

@@ -17,9 +17,15 @@ from typing import NamedTuple
 from holonom.devices._checks import require
 from holonom.errors import ModelError
 from holonom.registry import check_fields, parameter
+from holonom.trace.code.compiled import sincos
 from holonom.trace.code.loops import loop
 
 __all__ = ["Dq", "Pmsm", "PmsmParams", "pmsm_step", "pmsm_torque"]
+
+
+COSINE = tuple(1.0 / math.factorial(2 * k) for k in range(9))
+SINE = tuple(1.0 / math.factorial(2 * k + 1) for k in range(9))
+"""Taylor's coefficients of cosh(sqrt x) and sinh(sqrt x)/sqrt x."""
 
 
 class Dq(NamedTuple):
@@ -47,28 +53,38 @@ def pmsm_torque(params: PmsmParams, current: Dq) -> float:
 
 
 @loop
+def _decayed(x: float, y: float) -> tuple[float, float]:
+    """Return cosh(sqrt x) and sinh(sqrt x)/sqrt x times exp y; of a negative x that is cos and sin."""
+    decay = math.exp(y)
+    if abs(x) <= 1.0:  # Taylor's series without a root, the first term left out below 2e-16
+        c, s = COSINE[8], SINE[8]
+        for k in range(7, -1, -1):
+            c, s = COSINE[k] + x * c, SINE[k] + x * s
+        return decay * c, decay * s
+    root = math.sqrt(abs(x))
+    if x < 0.0:
+        s, c = sincos(root)
+        return decay * c, decay * s / root
+    slow, fast = math.exp(y + root), math.exp(y - root)
+    return 0.5 * (slow + fast), 0.5 * (slow - fast) / root
+
+
+@loop
 def pmsm_step(params: PmsmParams, current: Dq, voltage: Dq, speed: float, dt: float) -> Dq:
     """Currents (A) `dt` s later; exact while voltages (V, dq) and speed (rad/s, of the shaft) are held (03.1)."""
     w = params.pole_pairs * speed
     ld, lq, r = params.inductance_d, params.inductance_q, params.resistance
+    per_d, per_q = 1.0 / ld, 1.0 / lq
+    mean, apart = -0.5 * r * (per_d + per_q), 0.5 * r * (per_d - per_q)
     back = voltage.q - w * params.flux
-    det = r * r + w * w * ld * lq
-    settled_d, settled_q = (r * voltage.d + w * lq * back) / det, (r * back - w * ld * voltage.d) / det
-    mean = -0.5 * r * (1.0 / ld + 1.0 / lq)
-    square = (0.5 * r * (1.0 / ld - 1.0 / lq)) ** 2 - w * w  # of half the difference of the eigenvalues
-    if square > 0.0:
-        half = math.sqrt(square)
-        slow, fast = math.exp((mean + half) * dt), math.exp((mean - half) * dt)
-        cosine = 0.5 * (slow + fast)
-        sine = 0.5 * (slow - fast) / half if half * dt > 1e-6 else math.exp(mean * dt) * dt
-    else:
-        half, decay = math.sqrt(-square), math.exp(mean * dt)
-        cosine = decay * math.cos(half * dt)
-        sine = decay * math.sin(half * dt) / half if half * dt > 1e-6 else decay * dt
+    per_det = 1.0 / (r * r + w * w * ld * lq)
+    settled_d, settled_q = (r * voltage.d + w * lq * back) * per_det, (r * back - w * ld * voltage.d) * per_det
+    cosine, sine = _decayed((apart * apart - w * w) * dt * dt, mean * dt)
+    sine *= dt
     d, q = current.d - settled_d, current.q - settled_q
     return Dq(
-        settled_d + cosine * d + sine * ((-r / ld - mean) * d + w * lq / ld * q),
-        settled_q + cosine * q + sine * ((-r / lq - mean) * q - w * ld / lq * d),
+        settled_d + cosine * d + sine * (w * lq * per_d * q - apart * d),
+        settled_q + cosine * q + sine * (apart * q - w * ld * per_q * d),
     )
 
 

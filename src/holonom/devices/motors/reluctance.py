@@ -18,10 +18,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from holonom.arrays import Array, finite_array
+from holonom.arrays import Array, finite, finite_array
 from holonom.devices._checks import require
-from holonom.errors import ModelError, OutOfLimits
+from holonom.errors import ModelError, OutOfLimits, ShapeError
 from holonom.registry import check_fields, parameter
 from holonom.trace.code.loops import loop
 
@@ -29,11 +30,13 @@ __all__ = [
     "AngleTable",
     "ReluctanceCycle",
     "ReluctanceParams",
+    "ReluctanceRun",
     "SwitchedReluctance",
     "reluctance_cycle",
     "reluctance_on",
     "reluctance_step",
     "reluctance_torque",
+    "run_reluctance",
 ]
 
 TURN = 2.0 * math.pi
@@ -167,7 +170,7 @@ class SwitchedReluctance:
     sensor: str = parameter("optical", meaning="of the rotor's angle", choices=("optical", "hall"))
     sensor_steps: int = parameter(0, meaning="steps a period that it tells; 0: without steps", least=0, most=100_000)
     sensor_offset: float = parameter(
-        0.0, meaning="that it adds, electrical, in the direction of motion", unit="rad", least=-math.pi, most=math.pi
+        0.0, meaning="that it adds to the electrical angle", unit="rad", least=-math.pi, most=math.pi
     )
 
     def __post_init__(self) -> None:
@@ -191,13 +194,20 @@ class SwitchedReluctance:
     def cycle(self, angles: tuple[float, float], speed: float, current: float) -> ReluctanceCycle:
         """Settled period with on and off `angles` (rad), at a speed (rad/s, not 0) and a current asked for (A).
 
-        Either direction of motion is the other one's mirror: torque is told in the direction of motion.
+        Either direction of motion is the other one's mirror, a sensor's offset apart, which leads in one and lags in
+        the other: torque is told in the direction of motion.
         """
         require("SwitchedReluctance.cycle", "speed", abs(speed), above=0.0)
         require("SwitchedReluctance.cycle", "current", current, least=0.0)
         on, off = angles
         return reluctance_cycle(
-            self.params(), on, off, min(current, self.max_current), abs(speed), self.sensor_offset, self.resolution
+            self.params(),
+            on,
+            off,
+            min(current, self.max_current),
+            abs(speed),
+            math.copysign(1.0, speed) * self.sensor_offset,
+            self.resolution,
         )
 
     def best_angles(self, speed: float, current: float, *, braking: bool = False) -> tuple[float, float]:
@@ -243,3 +253,126 @@ class SwitchedReluctance:
         current = self.max_current if current is None else current
         speed = max(abs(speed), 1e-3)
         return self.cycle(self.best_angles(speed, current), speed, current).torque
+
+
+@loop
+def _between(nodes: Array, value: float) -> tuple[int, int, float]:
+    """Nodes around a value, and how far it is from the first to the second; the last ones beyond the ends."""
+    last = nodes.size - 1
+    if value <= nodes[0] or last == 0:
+        return 0, 0, 0.0
+    if value >= nodes[last]:
+        return last, last, 0.0
+    k = int(np.searchsorted(nodes, value)) - 1
+    return k, k + 1, float((value - nodes[k]) / (nodes[k + 1] - nodes[k]))
+
+
+@loop
+def _angle(table: Array, side: int, speeds: Array, currents: Array, speed: float, current: float) -> float:
+    i, j, a = _between(speeds, speed)
+    k, m, b = _between(currents, current)
+    low = table[i, k, side] + a * (table[j, k, side] - table[i, k, side])
+    high = table[i, m, side] + a * (table[j, m, side] - table[i, m, side])
+    return low + b * (high - low)
+
+
+@loop
+def _run(
+    params: ReluctanceParams,
+    nodes: tuple[Array, Array, Array, Array],
+    asked: Array,
+    load: Array,
+    shaft: tuple[float, float, float, float],
+    sensor: tuple[float, float],
+    flux: Array,
+    out: Array,
+) -> None:
+    """Run; a row of `out` each sample: speed, torque, currents."""
+    speeds, currents, driving, braking = nodes
+    inertia, viscous, speed, dt = shaft
+    offset, resolution = sensor
+    angle = 0.0
+    for k in range(asked.size):
+        forward = 1.0 if speed > 0.0 or (speed == 0.0 and asked[k] >= 0.0) else -1.0
+        table = driving if asked[k] * forward >= 0.0 else braking
+        on = _angle(table, 0, speeds, currents, abs(speed), abs(asked[k]))
+        off = _angle(table, 1, speeds, currents, abs(speed), abs(asked[k]))
+        middle = angle + 0.5 * dt * speed
+        torque = 0.0
+        for phase in range(flux.size):
+            shift = 2.0 * math.pi * phase / flux.size
+            x, now, then = (
+                params.poles * middle - shift,
+                params.poles * angle - shift + offset,
+                params.poles * (angle + dt * speed) - shift,
+            )
+            seen = forward * (math.floor(now / resolution) * resolution if resolution > 0.0 else now)
+            fall = reluctance_step(params, flux[phase], -params.voltage, x, dt)
+            rise = reluctance_step(params, flux[phase], params.voltage, x, dt)
+            inductance = params.mean - params.swing * math.cos(then)
+            held = inductance * abs(asked[k]) if reluctance_on(on, off, seen) else 0.0
+            flux[phase] = min(max(held, fall), rise)
+            out[k, 2 + phase] = flux[phase] / inductance
+            torque += reluctance_torque(params, out[k, 2 + phase], then)
+        angle += dt * speed
+        speed += dt * (torque - load[k] - viscous * speed) / inertia
+        out[k, 0], out[k, 1] = speed, torque
+
+
+@dataclass(frozen=True, slots=True)
+class ReluctanceRun:
+    """A run of a reluctance motor after each sample: speed (rad/s), torque (N m), (n,); phase currents (A), (n, m)."""
+
+    speed: Array
+    torque: Array
+    current: Array
+
+
+def run_reluctance(
+    motor: SwitchedReluctance,
+    table: AngleTable,
+    current: ArrayLike,
+    load: ArrayLike = 0.0,
+    *,
+    inertia: float,
+    dt: float,
+    viscous: float = 0.0,
+    speed: float = 0.0,
+) -> ReluctanceRun:
+    """Run a motor in all four quadrants by a table of switching angles, compiled.
+
+    Parameters
+    ----------
+    motor : with its sensor.
+    table : of switching angles.
+    current : asked for, A, (n,); its sign is that of the torque.
+    load : torque against positive motion, N m, (n,) or one for all.
+    inertia : of rotor and load, kg m^2.
+    dt : between samples, s.
+    viscous : friction, N m s/rad.
+    speed : at the start, rad/s.
+
+    Raises
+    ------
+    ModelError, ShapeError, NotFinite
+    """
+    asked = np.clip(finite_array("current", current, ["n"]), -motor.max_current, motor.max_current)
+    against = finite("load", load)
+    if asked.size == 0 or against.shape not in ((), asked.shape):
+        raise ShapeError(f"current has shape {asked.shape}, load {against.shape}; (n,) and (n,) or one are needed")
+    require("run_reluctance", "inertia", inertia, above=0.0)
+    require("run_reluctance", "dt", dt, above=0.0)
+    require("run_reluctance", "viscous", viscous, least=0.0)
+    require("run_reluctance", "speed", speed)
+    out, flux = np.empty((asked.size, 2 + motor.phases)), np.zeros(motor.phases)
+    _run(
+        motor.params(),
+        (table.speeds, table.currents, table.driving, table.braking),
+        asked,
+        np.ascontiguousarray(np.broadcast_to(against, asked.shape)),
+        (inertia, viscous, float(speed), dt),
+        (motor.sensor_offset, motor.resolution),
+        flux,
+        out,
+    )
+    return ReluctanceRun(out[:, 0], out[:, 1], out[:, 2:])

@@ -209,14 +209,15 @@ def _inertia(s: MotorSheet, d: dict[str, float]) -> Iterator[Finding]:
 
 
 def _twin(s: MotorSheet) -> MotorCard | None:
-    """A motor of `MOTORS` with the same R, L and torque constant, if there is one."""
-    if s.R is None or s.L is None or s.torque_constant is None:
+    """A motor of `MOTORS` with the same R and torque constant, and L where it is printed, if there is one."""
+    k = s.torque_constant
+    if s.R is None or k is None:
         return None
-    mine = (s.R, s.L, s.torque_constant)
     for name in MOTORS.own:
         card: MotorCard = MOTORS.make(name)
-        theirs = (card.sheet.R, card.sheet.L, card.sheet.torque_constant)
-        if all(b is not None and abs(a / b - 1.0) < 0.01 for a, b in zip(mine, theirs, strict=True)):
+        pairs = ((s.R, card.sheet.R), (k, card.sheet.torque_constant), (s.L, card.sheet.L))
+        known = [(mine, theirs) for mine, theirs in pairs if mine is not None and theirs is not None]
+        if len(known) >= 2 and all(abs(mine / theirs - 1.0) < 0.01 for mine, theirs in known):
             return card
     return None
 

@@ -11,12 +11,24 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from holonom.arrays import Array, finite, finite_array
 from holonom.devices._checks import require
-from holonom.errors import ModelError, OutOfLimits
+from holonom.errors import ModelError, OutOfLimits, ShapeError
 from holonom.registry import check_fields, parameter
 from holonom.trace.code.loops import loop
 
-__all__ = ["Stepper", "StepperParams", "StepperState", "stepper_step", "stepper_torque"]
+__all__ = [
+    "Stepper",
+    "StepperParams",
+    "StepperRun",
+    "StepperState",
+    "run_stepper",
+    "stepper_step",
+    "stepper_torque",
+]
 
 
 class StepperParams(NamedTuple):
@@ -51,6 +63,23 @@ def stepper_step(params: StepperParams, state: StepperState, command: float, loa
     damped = params.viscous * dt / params.inertia
     speed = (state.speed * (1.0 - 0.5 * damped) + dt * drive / params.inertia) / (1.0 + 0.5 * damped)
     return StepperState(middle + 0.5 * dt * speed, speed)
+
+
+@loop
+def _run(params: StepperParams, command: Array, load: Array, dt: float, angle: Array, speed: Array) -> None:
+    state = StepperState(angle[0], speed[0])
+    for k in range(command.size):
+        state = stepper_step(params, state, command[k], load[k], dt)
+        angle[k], speed[k] = state.angle, state.speed
+
+
+@dataclass(frozen=True, slots=True)
+class StepperRun:
+    """Angle (rad) and speed (rad/s) of a stepping motor after each sample, (n,), and the full steps lost at the end."""
+
+    angle: Array
+    speed: Array
+    lost_steps: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,3 +176,33 @@ class Stepper:
         """Full steps that a rotor at rest at `angle` (rad) has lost against its command (rad), signed."""
         periods = round((command - angle) * self.rotor_teeth / (2.0 * math.pi))
         return self.lost_steps_multiple_of * periods
+
+
+def run_stepper(
+    motor: Stepper, command: ArrayLike, load: ArrayLike = 0.0, *, dt: float, angle: float = 0.0, speed: float = 0.0
+) -> StepperRun:
+    """Run a stepping motor, compiled.
+
+    Parameters
+    ----------
+    motor : with its load's inertia.
+    command : where the field points, rad of the shaft, (n,): microsteps in steps as fine as they are.
+    load : torque against positive motion, N m, (n,) or one for all.
+    dt : between samples, s; a twentieth of the natural period at most.
+    angle, speed : at the start, rad and rad/s.
+
+    Raises
+    ------
+    ModelError, ShapeError, NotFinite
+    """
+    asked = finite_array("command", command, ["n"])
+    against = finite("load", load)
+    if asked.size == 0 or against.shape not in ((), asked.shape):
+        raise ShapeError(f"command has shape {asked.shape}, load {against.shape}; (n,) and (n,) or one are needed")
+    require("run_stepper", "dt", dt, above=0.0, most=0.05 / motor.natural_frequency)
+    require("run_stepper", "angle", angle)
+    require("run_stepper", "speed", speed)
+    angles, speeds = np.full(asked.size, float(angle)), np.full(asked.size, float(speed))
+    against = np.ascontiguousarray(np.broadcast_to(against, asked.shape))
+    _run(motor.params(), asked, against, dt, angles, speeds)
+    return StepperRun(angles, speeds, motor.lost_steps(float(angles[-1]), float(asked[-1])))
