@@ -46,8 +46,6 @@ class MotorCard:
 _MAXON = "maxon motor, catalogue, values at nominal voltage"
 _FAULHABER = "Faulhaber, data sheet of the series"
 _REMEMBERED = "all numbers: written down without the sheet at hand, checked by the identities alone; compare yours"
-    "all numbers: written down without the sheet at hand, and checked by the identities alone: compare them with yours"
-)
 
 _CARDS = (
     MotorCard(
