@@ -144,6 +144,8 @@ def test_faults_of_a_file_have_their_line(tmp_path: Path, capsys: pytest.Capture
         ({"preset": "maxon 1"}, "motor.preset: no motor 'maxon 1'"),
         ({"preset": "maxon_re40_48v", "R": 1.0}, "give a preset, or the numbers of a sheet"),
         ({"name": "x"}, "no number of a sheet came"),
+        ({"R": 1e-16}, "at least 1e-15 ohm is read"),
+        ({"R": 1e16}, "must be finite"),
     ):
         assert main(["check", str(toml(tmp_path, {"motor": motor}))]) == 2
         assert words in capsys.readouterr().err

@@ -124,8 +124,8 @@ def _load(axis: AxisFile, motor: DcMotor) -> Iterator[Finding]:
                 "be the same, and the acceleration the greatest"
             )
             yield Finding("inertia ratio", WARNING, text, part, UNEVEN)
-    speed = (axis.wanted or {}).get("speed")
-    if isinstance(speed, (int, float)) and not isinstance(speed, bool) and speed * ratio > motor.no_load_speed:
+    speed = axis.wanted.speed if axis.wanted is not None else None
+    if speed is not None and speed * ratio > motor.no_load_speed:
         text = f"{speed:g} rad/s are wanted at the load, {motor.no_load_speed / ratio:.4g} rad/s are there without any"
         yield Finding("speed above the no-load speed", CONTRADICTION, text, speed, motor.no_load_speed / ratio)
 

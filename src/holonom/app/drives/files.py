@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import BaseModel, Field, ValidationError, create_model
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 
 from holonom.app.drives.values import ALSO, PlainOrQuantity, sheet_table
 from holonom.app.fields.quantities import Section
@@ -76,6 +76,15 @@ class SampleTable(Section):
     """of the position loop"""
 
 
+class WantedTable(Section):
+    """What the axis is to do; the keys of `holonom tune` may be there too."""
+
+    model_config = ConfigDict(extra="allow", frozen=True, use_attribute_docstrings=True)
+
+    speed: Annotated[float | None, PlainOrQuantity("rad/s", above=0.0)] = None
+    """of the load"""
+
+
 @dataclass(frozen=True, slots=True)
 class AxisFile:
     """A motor or an axis as its file has it; tables that are not there are None."""
@@ -87,7 +96,7 @@ class AxisFile:
     load: LoadTable | None = None
     encoder: EncoderTable | None = None
     sample: SampleTable | None = None
-    wanted: dict[str, Any] | None = None
+    wanted: WantedTable | None = None
 
     @property
     def kind(self) -> str:
@@ -125,7 +134,7 @@ def read_axis(path: Path) -> AxisFile:
         name: (table | None, None)
         for name, table in {
             "supply": SupplyTable, "gear": GearTable, "load": LoadTable, "encoder": EncoderTable,
-            "sample": SampleTable, "wanted": dict[str, Any],
+            "sample": SampleTable, "wanted": WantedTable,
         }.items()
     }  # fmt: skip
     model = create_model("AxisTables", __base__=Section, motor=(sheet_table(), ...), **optional)

@@ -42,6 +42,10 @@ KINDS = {
 """Unit of a key: the dimension of its quantities, and how they write that unit."""
 
 
+LEAST, MOST = 1e-15, 1e15
+"""Smallest and largest number of anything, so that no product of some overflows."""
+
+
 @dataclass(frozen=True, slots=True)
 class PlainOrQuantity:
     """Reads a plain number in `unit`, or text with any unit of its dimension, into `unit`; bounds as of a parameter."""
@@ -59,10 +63,12 @@ class PlainOrQuantity:
         if isinstance(value, str) and dimension != "number":
             number = parse_quantity(value, dimension) / DIMENSIONS[dimension][written]
         elif isinstance(value, (int, float)) and not isinstance(value, bool):
-            number = float(value) if abs(value) <= 1e15 else math.inf
+            number = float(value) if abs(value) <= MOST else math.inf
         else:
             also = f', or text such as "2.5{written}"' if written else ""
             raise InputError(f"{value!r} came; a number{' in ' + written if written else ''} is expected{also}")
+        if self.above == 0.0 and 0.0 < number < LEAST:
+            raise OutOfLimits(f"{value!r} came; at least {LEAST:g} {written} is read".rstrip())
         low = (self.above is None or number > self.above) and (self.least is None or number >= self.least)
         if not (math.isfinite(number) and low and (self.most is None or number <= self.most)):
             bounds = {"greater than": self.above, "at least": self.least, "at most": self.most}

@@ -33,7 +33,7 @@ class MotorCard:
     source
         Where the numbers are from.
     assumed
-        Keys of the sheet that no source states, and why they are so; empty where none is.
+        Keys of the sheet that its source does not state or that were not compared with it; empty where there is none.
     """
 
     name: str
@@ -45,6 +45,7 @@ class MotorCard:
 
 _MAXON = "maxon motor, catalogue, values at nominal voltage"
 _FAULHABER = "Faulhaber, data sheet of the series"
+_REMEMBERED = "all numbers: written down without the sheet at hand, checked by the identities alone; compare yours"
 
 _CARDS = (
     MotorCard(
@@ -65,13 +66,14 @@ _CARDS = (
             gradient_rpm_per_mNm=3.14, tau_m=4.67e-3, J=142e-7,
         ),
         _MAXON,
+        _REMEMBERED,
     ),
     MotorCard(
         "maxon_re25_24v",
         "maxon RE 25 118752 24 V",
         MotorSheet(U=24.0, R=2.32, L=0.24e-3, kM=23.4e-3, kn=407.0, J=10.8e-7),
         "parameter file of a public MATLAB project",
-        "J 10.8 g cm2: of the series' catalogue, not in that file",
+        "J 10.8 g cm2: remembered of the series' catalogue, not in that file",
     ),
     MotorCard(
         "maxon_re30_24v",
@@ -81,6 +83,7 @@ _CARDS = (
             kn=369.0, gradient_rpm_per_mNm=8.69, tau_m=3.05e-3, J=33.5e-7,
         ),
         _MAXON,
+        _REMEMBERED,
     ),
     MotorCard(
         "maxon_re50_24v",
@@ -90,6 +93,7 @@ _CARDS = (
             kM=38.5e-3, kn=248.0, gradient_rpm_per_mNm=0.668, tau_m=3.75e-3, J=536e-7,
         ),
         _MAXON,
+        _REMEMBERED,
     ),
     MotorCard(
         "maxon_amax32",
@@ -111,7 +115,7 @@ _CARDS = (
         "maxon EC 45 flat 339285 50 W 18 V",
         MotorSheet(U=18.0, R=0.464, L=0.322e-3, kM=25.1e-3, kn=380.0, tau_m=9.92e-3, J=135e-7),
         "constants of a public MATLAB project; terminal values",
-        "U 18 V: of the series' catalogue",
+        "U 18 V: remembered of the series' catalogue",
     ),
     MotorCard(
         "maxon_ec45flat_24v",
@@ -121,6 +125,7 @@ _CARDS = (
             tau_m=7.3e-3, J=135e-7,
         ),
         f"{_MAXON}; terminal values; its nominal and stall torques are not kM times the currents: left out",
+        _REMEMBERED,
     ),
     MotorCard(
         "maxon_ec90flat_24v",
@@ -130,6 +135,7 @@ _CARDS = (
             gradient_rpm_per_mNm=0.659, tau_m=21.1e-3, J=3060e-7,
         ),
         f"{_MAXON}; terminal values; its nominal torque and speed are not those of IN by kM and R: left out",
+        _REMEMBERED,
     ),
     MotorCard(
         "faulhaber_2224_6v",
@@ -138,36 +144,42 @@ _CARDS = (
             U=6.0, n0=8200.0, I0=0.029, MH=21.2e-3, R=1.94, L=45e-6, kM=6.92e-3, kn=1380.0, tau_m=11e-3, J=2.7e-7
         ),
         _FAULHABER,
+        _REMEMBERED,
     ),
     MotorCard(
         "faulhaber_2224_12v",
         "Faulhaber 2224 012SR 12 V",
         MotorSheet(U=12.0, I0=0.014, R=8.71, L=450e-6, kM=14.4e-3, kn=664.0, tau_m=11e-3, J=2.7e-7),
         _FAULHABER,
+        _REMEMBERED,
     ),
     MotorCard(
         "faulhaber_2342_12v",
         "Faulhaber 2342 012CR 12 V",
         MotorSheet(U=12.0, I0=0.075, R=1.9, L=65e-6, kM=13.4e-3, kn=713.0, tau_m=6e-3, J=5.8e-7),
         f"{_FAULHABER}; its no-load speed is 4 % below kn U",
+        _REMEMBERED,
     ),
     MotorCard(
         "faulhaber_3257_24v",
         "Faulhaber 3257 024CR 24 V",
         MotorSheet(U=24.0, I0=0.129, R=1.63, L=270e-6, kM=37.7e-3, kn=253.0, tau_m=4.7e-3, J=41e-7),
         _FAULHABER,
+        _REMEMBERED,
     ),
     MotorCard(
         "faulhaber_2338_6v",
         "Faulhaber 2338S006 6 V",
         MotorSheet(U=6.0, R=2.6, L=0.18e-3, kM=7.68e-3, J=3.9e-7),
         "Quanser, user manual of the rotary servo plant SRV02",
+        _REMEMBERED,
     ),
     MotorCard(
         "allied_cl40_18v",
         "Allied Motion CL40 16705 18 V",
         MotorSheet(U=18.0, n0=4050.0, MN=22e-3, IN=0.54, R=8.4, L=1.16e-3, kM=0.042, J=4.0e-6),
         "Quanser, user manual of the QUBE-Servo 2",
+        _REMEMBERED,
     ),
 )  # fmt: skip
 
