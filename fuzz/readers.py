@@ -75,12 +75,10 @@ def _description(path: Path) -> object:
     return read_description(path)
 
 
-<<<<<<< HEAD
 def _sheet(path: Path) -> object:
     from holonom.app.drives.tuning.file import tune_file
 
     return tune_file(path)
-=======
 def _drive(path: Path) -> object:
     """A motor or axis, else a load cycle, as far as its JSON."""
     import json
@@ -90,7 +88,6 @@ def _drive(path: Path) -> object:
     from holonom.app.drives.select import select
 
     return json.dumps((check_drive if is_drive(path) else select)(path).data, allow_nan=False)
->>>>>>> 833c091999411ced8cf1e3ef9b6c743cc9885717
 
 
 def _recording(path: Path) -> object:
@@ -146,13 +143,10 @@ READERS: Mapping[str, Reader] = {
     "layout": Reader(_layout, ".csv", ', ; u v diameter " \r'),
     "metadata": Reader(_metadata, "_metadata.csv", ", type encRes Di Li diff N"),
     "description": Reader(_description, ".toml", "[units] drive = runs [encoder] geometry true 1979-05-27"),
-<<<<<<< HEAD
     "sheet": Reader(
         _sheet, ".toml", '[process] [wanted] kind "1e9s" num den lags dead_time 1e300 -1 nan inf', count=2000
     ),
-=======
     "drive": Reader(_drive, ".toml", '[motor] [[gear]] preset "1e999V" = . { } true samples U R kM J inf nan -0.0'),
->>>>>>> 833c091999411ced8cf1e3ef9b6c743cc9885717
     "recording": Reader(_recording, ".mcap", "zstd lz4 ros2"),
     "chunk": Reader(_recording, ".mcap", "/tf /rosout kind robot cdr", pack=_in_a_chunk),
     "words": Reader(_words, ".json", '{ } [ ] : , "a" null true 1e999 NaN \\ud800'),
