@@ -79,6 +79,8 @@ def _sheet(path: Path) -> object:
     from holonom.app.drives.tuning.file import tune_file
 
     return tune_file(path)
+
+
 def _drive(path: Path) -> object:
     """A motor or axis, else a load cycle, as far as its JSON."""
     import json

@@ -12,11 +12,11 @@ import holonom as hm
 from holonom.closed_loop.axis_faults import AxisFault
 from holonom.control import design_cascade
 from holonom.control.servo.causes import Cause
-from holonom.devices import DcMotor, Encoder, Friction, Gear
+from holonom.devices import DcMotor, Encoder, Friction, Gear, PotentiometerHoming
 from holonom.devices.power.brake import Brake
 from holonom.errors import OutOfLimits
 from holonom.machine.axis.drive import DriveSettings
-from holonom.machine.axis.drive_kernels import CLOSING, HOLDING, OFF, RUNNING
+from holonom.machine.axis.drive_kernels import CLOSING, HOLDING, HOMING, OFF, RUNNING
 from holonom.sim import Axis, Load, simulate_axis
 
 WEIGHT = -46.0  # N m: it would fall in the positive direction
@@ -126,3 +126,45 @@ def test_a_small_offset_of_the_shunt_is_taken_off() -> None:
 def test_a_stop_that_there_is_not(stop: tuple[float, int]) -> None:
     with pytest.raises(OutOfLimits, match="a category 0, 1 or 2"):
         simulate_axis(AXIS, GAINS, [0.0], stop=stop)
+
+
+HOMES = DriveSettings(
+    start="off",
+    brake=Brake(1.0),
+    homing=PotentiometerHoming(800, 800 / (2.0 * math.pi), lowest=-500.0, highest=500.0, speed=2000.0),
+)
+
+
+@pytest.mark.parametrize("start", [0.0, 0.3, -0.7123])
+def test_an_axis_finds_its_zero_by_potentiometer_and_index(start: float) -> None:
+    run = simulate_axis(AXIS, GAINS, np.full(1500, start), drive=HOMES, start=start)
+    assert not run.events
+    assert HOMING in run.phase
+    assert run.phase[-1] == RUNNING
+    assert np.abs(run.seen_position - run.motor_position)[-100:].max() < 2.0 * 2.0 * math.pi / 800
+    turned = run.motor_position[np.flatnonzero(run.phase == HOMING)]
+    assert np.ptp(turned) < 1.1 * 2.0 * math.pi  # a short move to the next index
+    assert abs(run.position[-1] - start) < 2.0 * COUNT
+
+
+@pytest.mark.parametrize(
+    ("fault", "cause"),
+    [
+        (AxisFault("potentiometer", size=math.pi), Cause.HOMING_WRONG_TURN),
+        (AxisFault("index_stuck"), Cause.HOMING_MISSING_INDEX),
+        (AxisFault("potentiometer", size=1e4), Cause.HOMING_NO_SIGNAL),
+    ],
+)
+def test_a_homing_that_fails_is_named_and_refuses_motion(fault: AxisFault, cause: Cause) -> None:
+    run = simulate_axis(
+        AXIS, GAINS, np.full(1500, 0.3), start=0.3, faults=[fault],
+        drive=dataclasses.replace(HOMES, homing=dataclasses.replace(HOMES.homing, lowest=-500.0, highest=500.0)),
+    )  # fmt: skip
+    assert run.events[0].cause == cause
+    assert RUNNING not in run.phase
+    assert run.phase[-1] == OFF
+
+
+def test_a_homing_comes_after_power_on() -> None:
+    with pytest.raises(OutOfLimits, match="looks for its zero after"):
+        dataclasses.replace(HOMES, start="powered")

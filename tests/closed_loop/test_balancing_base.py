@@ -170,7 +170,7 @@ def test_it_stands_on_a_slope(law: str) -> None:
     loop = standing(law, floor=Floor(slope=math.radians(3.0)))
     loop.advance(40_000)
     assert loop.plant.tipped is None
-    assert abs(loop.plant.twist[0]) < 0.02
+    assert abs(loop.plant.twist[0]) < 0.03  # motors that stick let it rock a little
     assert abs(loop.plant.pose[0]) < 0.08
 
 

@@ -57,5 +57,5 @@ def test_what_is_no_motion_alone_is_left_open() -> None:
     assert car["turning"] == car["sideways"] == (math.inf, math.inf)
     assert math.isfinite(car["forwards"].acceleration)
     assert abilities(skid_steer(0.3, 0.4, 0.05, **body), drive, 0.6)["turning"] == (math.inf, math.inf)
-    for base in (mecanum(0.4, 0.3, 0.05, **body), swerve(0.4, 0.3, 0.05, **body)):
+    for base in (mecanum(0.4, 0.3, 0.05, **body), swerve(wheelbase=0.4, track=0.3, wheel_radius=0.05, **body)):
         assert all(0.0 < a < math.inf and 0.0 < v < math.inf for v, a in abilities(base, drive, 0.6).values())

@@ -49,15 +49,15 @@ class AxisRun:
         Of the outermost loop: rad, rad/s at the joint, or A.
     position, speed
         Of the joint as it truly is, rad and rad/s.
-    motor_position, motor_speed, seen_speed
-        Of the motor's shaft; the last one as the controller believes.
+    motor_position, motor_speed, seen_position, seen_speed
+        Of the motor's shaft; the last two as the controller believes.
     current, voltage, current_reference, speed_reference
         A, V, A, rad/s of the motor.
     square_current
         Mean of the squared current over each sample, A2.
     phase
         Of the drive: `machine.axis.drive_kernels`, OFF 0, CHECKING 1, RELEASING 2, RUNNING 3, SLOWING 4, CLOSING 5,
-        HOLDING 6, BLIND 7.
+        HOLDING 6, BLIND 7, HOMING 8.
     events
         What the drive found, the first cause before what follows from it.
     """
@@ -68,6 +68,7 @@ class AxisRun:
     speed: Array
     motor_position: Array
     motor_speed: Array
+    seen_position: Array
     seen_speed: Array
     current: Array
     voltage: Array
@@ -149,6 +150,7 @@ def _run(log: Array, reference: Array, ratio: float, tick: float, dt: float, eve
         speed=log[2] / ratio,
         motor_position=log[1],
         motor_speed=log[3],
+        seen_position=log[12],
         seen_speed=log[9],
         current=log[4],
         voltage=log[5],

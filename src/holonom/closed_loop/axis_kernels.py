@@ -23,7 +23,7 @@ from holonom.trace.code.loops import loop
 __all__ = ["ROWS", "AxisFaults", "Plant", "run_axis"]
 
 JAMMED = 1e9  # N m, of a shaft that nothing turns
-ROWS = 12
+ROWS = 13
 """Rows of the log."""
 
 
@@ -69,10 +69,11 @@ def run_axis(
     log: Array,
     events: NDArray[np.int64],
 ) -> int:
-    """Run along reference samples (3, n) of the position loop, and on for as long as the log (12, ticks) has room.
+    """Run along reference samples (3, n) of the position loop, and on for as long as the log (13, ticks) has room.
 
     Rows of the log: load angle, motor angle, load speed, motor speed, current, voltage, current reference, speed
-    reference, mean of the squared current, estimated speed, phase, place on the path; at the motor shaft. `events`
+    reference, mean of the squared current, estimated speed, phase, place on the path, estimated angle; at the
+    motor shaft. `events`
     (e, 2) take each cause that is found, with its step. Return how many there are.
     """
     k = found = many = bad = 0
@@ -116,7 +117,7 @@ def _note(row: Array, state: AxisState, own: AxisDriveState) -> None:
     row[0], row[1], row[2], row[3] = state.load_angle, state.angle, state.load_speed, state.speed
     row[4], row[5] = state.current, own.servo.voltage if own.power == 1 else 0.0
     row[6], row[7], row[9] = own.servo.current_reference, own.servo.speed_reference, own.servo.rate
-    row[10], row[11] = own.phase, own.place
+    row[10], row[11], row[12] = own.phase, own.place, own.servo.angle
 
 
 @loop(error_model="numpy", forceinline=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy import signal
 
 from holonom.arrays import Array
 from holonom.control.processes.kernels import delayed_loop, ramped_response
@@ -102,6 +101,8 @@ def _bandwidth(loop: OpenLoop) -> float:
 
 def _scaled(loop: OpenLoop, w: float) -> tuple[Array, Array, Array]:
     """State space (A, B, C) of the rational part in the time w t, in which its numbers are near 1."""
+    from scipy import signal  # heavy: on first use
+
     num = loop.num * w ** np.arange(len(loop.num))[::-1].astype(float)
     den = loop.den * w ** np.arange(len(loop.den))[::-1].astype(float)
     A, B, C, _ = signal.tf2ss(num, den)

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from holonom.arrays import Array, finite_array
 from holonom.control.processes.loop import ultimate_gain
@@ -188,6 +187,8 @@ def _best(t: Array, y: Array, at: Array, jumps: Array, kind: str | None, moving:
 
 def _fit(kind: str, t: Array, y: Array, at: Array, jumps: Array, moving: bool) -> tuple[Process, Array]:
     """Process, and what is left (N,): times by search, then least squares; what is linear (gain, offset) is solved."""
+    from scipy.optimize import least_squares  # heavy: on first use
+
     gap = float(np.diff(at).min()) if len(at) > 1 else math.inf
     end = 10.0 * gap if moving else float(t[-1] - at[0])
     step = end / max(len(t), 100)

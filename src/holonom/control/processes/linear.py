@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy import linalg, signal
 
 from holonom.arrays import Array, finite_array
 from holonom.control.processes.kernels import ramped_response
@@ -85,6 +84,8 @@ def linear_system(
     ShapeError, OutOfLimits
         Not finite; a sample time that is not positive.
     """
+    from scipy import signal  # heavy: on first use
+
     if dt is not None and not 0.0 < dt < math.inf:
         raise OutOfLimits(f"dt is {dt!r}; a sample time must be finite and greater than 0 s")
     if num is not None and den is not None:
@@ -105,6 +106,8 @@ def linear_system(
 
 def ramp_matrices(A: Array, B: Array, h: float) -> tuple[Array, Array, Array]:
     """Matrices of an exact step h, s, for an input (n,) that goes straight from one sample to the next."""
+    from scipy import linalg  # heavy: on first use
+
     n = len(A)
     block = np.zeros((n + 2, n + 2))
     block[:n, :n], block[:n, n], block[n, n + 1] = A * h, B * h, 1.0
@@ -224,6 +227,8 @@ def _settled(t: Array, z: Array, last: int, band: float, sampled: bool) -> float
 
 
 def _times(system: LinearSystem) -> Array:
+    from scipy import linalg  # heavy: on first use
+
     poles = linalg.eigvals(system.A)
     if system.dt is not None:
         slowest = np.abs(poles).max(initial=0.0)

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
 
 from holonom.arrays import Array
 from holonom.control.processes.process import Process
@@ -208,6 +207,8 @@ def _wraps(turn: Array) -> list[int]:
 
 
 def _root(function: Callable[[float], float], w: Array, k: int) -> float:
+    from scipy.optimize import brentq  # heavy: on first use
+
     a, b = float(w[k]), float(w[k + 1])
     if function(a) * function(b) >= 0.0:
         return a if abs(function(a)) < abs(function(b)) else b
@@ -215,6 +216,8 @@ def _root(function: Callable[[float], float], w: Array, k: int) -> float:
 
 
 def _sensitivity(loop: OpenLoop, w: Array, L: Array) -> tuple[float, float]:
+    from scipy.optimize import minimize_scalar  # heavy: on first use
+
     distance = np.abs(1.0 + L)
     k = int(np.argmin(distance))
     if 0 < k < len(w) - 1:

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy import linalg, signal
-from scipy.optimize import brentq
 
 from holonom.arrays import Array
 from holonom.control.processes.closed import vertex
@@ -75,6 +73,9 @@ def relay_cycle(process: Process, relay: float, hysteresis: float = 0.0) -> Rela
     ModelError
         There is no limit cycle: no dead time, no hysteresis and too few lags.
     """
+    from scipy import signal  # heavy: on first use
+    from scipy.optimize import brentq  # heavy: on first use
+
     if not (relay > 0.0 and math.isfinite(relay) and 0.0 <= hysteresis < math.inf):
         raise OutOfLimits(f"relay is {relay!r}, hysteresis {hysteresis!r}; they must be positive, and not negative")
     if len(process.den) == 1:
@@ -128,6 +129,8 @@ def _amplitude(A: Array, B: Array, C: Array, x0: Any, h: float, L: float, relay:
 
 
 def _stepped(A: Array, B: Array, h: float) -> tuple[Array, Array]:
+    from scipy import linalg  # heavy: on first use
+
     n = len(A)
     block = np.zeros((n + 1, n + 1))
     block[:n, :n], block[:n, n:] = A * h, B * h

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy import linalg, signal
-from scipy.optimize import brentq
 
 from holonom.arrays import Array, whole_number
 from holonom.control.processes.loop import Gains
@@ -143,6 +141,8 @@ def sampled_limits(process: Process, dt: float, *, delay_samples: int = 1) -> Sa
 
 def sampled_step(process: Process, gains: Gains, dt: float, samples: int, *, delay_samples: int = 1) -> Array:
     """Output (samples,) at the sample times after a step of the reference; arguments and errors as `sampled_margin`."""
+    from scipy import signal  # heavy: on first use
+
     loop = _loop(process, gains, dt, delay_samples)
     den = np.polyadd(loop.den, loop.num)
     num = np.concatenate([np.zeros(len(den) - len(loop.num)), loop.num])
@@ -203,6 +203,8 @@ def _loop(process: Process, gains: Gains, dt: float, delay_samples: int) -> _Loo
 
 def _held(process: Process, dt: float) -> tuple[Array, Array]:
     """Process behind a zero-order hold, as num(z)/den(z); what of the dead time is no whole sample is exact, too."""
+    from scipy import signal  # heavy: on first use
+
     whole = math.floor(process.dead_time / dt + 1e-9)
     part = max(process.dead_time - whole * dt, 0.0)
     if part < 1e-9 * dt:
@@ -228,6 +230,8 @@ def _held(process: Process, dt: float) -> tuple[Array, Array]:
 
 
 def _stepped(A: Array, B: Array, h: float) -> tuple[Array, Array]:
+    from scipy import linalg  # heavy: on first use
+
     n = len(A)
     block = np.zeros((n + 1, n + 1))
     block[:n, :n], block[:n, n:] = A * h, B * h
@@ -255,6 +259,8 @@ def _size_at(w: Array, L: Array, phase: Array, k: int, angle: float) -> float:
 
 
 def _margin(loop: _Loop, dt: float) -> SampledMargin:
+    from scipy.optimize import brentq  # heavy: on first use
+
     poles = np.roots(np.polyadd(loop.den, loop.num))
     pole = float(np.abs(poles).max(initial=0.0))
     w, L = _response(loop, dt)

@@ -32,6 +32,13 @@ class Cause(IntEnum):
     SUPPLY = 22
     POSITION_UNKNOWN = 23
     BRAKE_SLIPS = 24
+    HOMING_TIME_OUT = 25
+    HOMING_WRONG_TURN = 26
+    HOMING_MISSING_INDEX = 27
+    HOMING_MISSING_SWITCH = 28
+    HOMING_STUCK_SWITCH = 29
+    HOMING_NO_SIGNAL = 30
+    HOMING_APART = 31
 
     @property
     def text(self) -> str:
@@ -60,4 +67,11 @@ _WORDS = {
     Cause.SUPPLY: "self-check: the supply is outside its range",
     Cause.POSITION_UNKNOWN: "self-check: counter and potentiometer differ",
     Cause.BRAKE_SLIPS: "self-check: the shaft turns against its closed brake",
+    Cause.HOMING_TIME_OUT: "homing: the axis does not get to the index in time",
+    Cause.HOMING_WRONG_TURN: "homing: index and potentiometer differ, the turn is in doubt",
+    Cause.HOMING_MISSING_INDEX: "homing: no index within a turn and a quarter",
+    Cause.HOMING_MISSING_SWITCH: "homing: the switch does not close",
+    Cause.HOMING_STUCK_SWITCH: "homing: the switch does not open",
+    Cause.HOMING_NO_SIGNAL: "homing: the potentiometer shows what it cannot: a broken wire",
+    Cause.HOMING_APART: "homing: potentiometer and counter move apart",
 }

@@ -11,6 +11,8 @@ from holonom.control.servo.kernels import LimitParams
 from holonom.control.servo.watch_kernels import WATCH_START, DriveWatchParams
 from holonom.devices import Encoder, Friction, tracking_params
 from holonom.devices.encoders.counters.index import INDEX_START, IndexCorrection
+from holonom.devices.encoders.homing.potentiometer import PotentiometerHoming
+from holonom.devices.encoders.homing.states import HOMING_START
 from holonom.devices.power.brake import Brake
 from holonom.errors import OutOfLimits
 from holonom.machine.axis.drive_kernels import (
@@ -42,6 +44,7 @@ PATIENCE = 3  # looks
 EDGES, WINDOW = 8, 10  # edges of one channel alone within so many looks
 BAD_FRAMES = 3
 LOOP_DELAY = 1.5  # samples: computing and hold
+TURN = 2.0 * math.pi
 ZERO_TIME, TORQUE_TIME = 0.01, 0.025  # s of the self-check: the shunt's zero, the test torque each way
 
 
@@ -61,6 +64,8 @@ class DriveSettings:
     prefilter: bool = True
     """Whether a reference of the speed loop passes 1/(1 + s Ti), which takes the overshoot of its zero."""
     brake: Brake = field(default_factory=lambda: Brake(1e3))
+    homing: PotentiometerHoming | None = None
+    """How it finds its zero after power-on, from a potentiometer that reads rad of the motor; None: it knows it."""
     hold: float = parameter(0.0, meaning="torque at the motor that the model says carries the load", unit="N m")
     following_error: float = parameter(
         math.inf, meaning="at which it stops, motor", unit="rad", above=0.0, most=math.inf
@@ -83,6 +88,10 @@ class DriveSettings:
 
     def __post_init__(self) -> None:
         check_fields(self)
+        if self.homing is not None and self.start != "off":
+            raise OutOfLimits(
+                'DriveSettings: homing comes with start = "powered"; a drive looks for its zero after "off"'
+            )
         if self.start not in ("powered", "off"):
             raise OutOfLimits(f'DriveSettings: start is {self.start!r}; it must be "powered" or "off"')
 
@@ -119,6 +128,8 @@ def drive_params(
         stop,
         s.hold / axis.torque_constant,
         s.supervised,
+        (s.homing or PotentiometerHoming(encoder.counts_per_rev, encoder.counts_per_rev / TURN)).params(times.speed),
+        s.homing is not None,
     )
 
 
@@ -181,13 +192,14 @@ def _check_params(axis: ServoAxis, dt: float, settings: DriveSettings, encoder: 
         most_supply=(1.0 + s.supply_error) * axis.max_voltage,
         current=s.test_current * axis.max_current,
         turns=math.ceil(s.brake_turns / encoder.resolution),
-        apart=s.apart,
+        apart=s.apart if s.homing is None else math.inf,
     )
 
 
 def drive_start(params: AxisDriveParams, settings: DriveSettings, count: int) -> AxisDriveState:
     """First state of a drive whose counter is at zero where the homed count is `count`."""
-    nothing = AxisServoState(count, count, *([0.0] * 11))
+    zero = count if settings.homing is None else 0
+    nothing = AxisServoState(zero, zero, *([0.0] * 11))
     servo = standing(params.servo, nothing, 0)
     phase = CHECKING
     if settings.start == "powered":
@@ -195,26 +207,9 @@ def drive_start(params: AxisDriveParams, settings: DriveSettings, count: int) ->
     watch = WATCH_START._replace(resistance=params.watch.resistance)
     on = 1 if phase == RUNNING else 0
     return AxisDriveState(
-        servo,
-        watch,
-        INDEX_START,
-        phase,
-        0,
-        0.0,
-        float(on),
-        servo.angle,
-        0,
-        0.0,
-        0.0,
-        params.hold,
-        0.0,
-        0.0,
-        0,
-        1 - on,
-        on,
-        0,
-        0,
-    )
+        servo, watch, INDEX_START, HOMING_START, phase, 0, 0.0, float(on), servo.angle, 0, 0.0, 0.0, params.hold, 0.0,
+        0.0, 0, 1 - on, on, 0, 0,
+    )  # fmt: skip
 
 
 def _multiple(name: str, slow: float, fast: float) -> int:

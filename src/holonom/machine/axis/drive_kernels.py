@@ -1,6 +1,7 @@
 """The drive of one axis, compiled: what is around its loops from power-on to power-off, and what it does about faults.
 
-    OFF -> CHECKING -> RELEASING -> RUNNING -> SLOWING -> CLOSING -> OFF     stop of category 1
+    OFF -> CHECKING -> RELEASING (-> HOMING) -> RUNNING
+                                     RUNNING -> SLOWING -> CLOSING -> OFF    stop of category 1
                                               SLOWING -> HOLDING             category 2: it stands powered
     any -> OFF                                                               category 0: brake and power at once
     any -> BLIND -> OFF                                                      the encoder is not believed: by back-emf
@@ -27,12 +28,16 @@ from holonom.control.servo.watch_kernels import (
     watch_drive,
 )
 from holonom.devices.encoders.counters.index import IndexParams, IndexState, index_step
+from holonom.devices.encoders.homing.potentiometer import PotentiometerParams, potentiometer_step
+from holonom.devices.encoders.homing.states import HomingState
 from holonom.machine.axis.kernels import (
     POSITION_LOOP,
+    SPEED_LOOP,
     AxisServoParams,
     AxisServoState,
     axis_servo_step,
     current_only,
+    homed,
     powered,
     standing,
 )
@@ -43,6 +48,7 @@ __all__ = [
     "CHECKING",
     "CLOSING",
     "HOLDING",
+    "HOMING",
     "OFF",
     "RELEASING",
     "RUNNING",
@@ -55,10 +61,14 @@ __all__ = [
     "drive_step",
 ]
 
-OFF, CHECKING, RELEASING, RUNNING, SLOWING, CLOSING, HOLDING, BLIND = 0, 1, 2, 3, 4, 5, 6, 7
+OFF, CHECKING, RELEASING, RUNNING, SLOWING, CLOSING, HOLDING, BLIND, HOMING = 0, 1, 2, 3, 4, 5, 6, 7, 8
 """Phases."""
 OFFSET, SUPPLY, POSITION, BRAKE = 21, 22, 23, 24
 """Failed checks, beside the causes of `watch_drive`."""
+HOMING_FAULT = 24
+"""Beside these the faults of a homing, from 1 on."""
+HOMED = 5
+"""Phase of a homing that is done."""
 SPEED, CURRENT = 5, 6
 """Of `axis_violation`."""
 NONE = -1
@@ -122,7 +132,10 @@ class StopParams(NamedTuple):
 
 
 class AxisDriveParams(NamedTuple):
-    """Params of `drive_step`. `hold` is the current (A) that the model says carries the load at rest."""
+    """Params of `drive_step`.
+
+    `hold` is the current (A) that the model says carries the load at rest; `homes`: whether it looks for its zero.
+    """
 
     servo: AxisServoParams
     watch: DriveWatchParams
@@ -132,6 +145,8 @@ class AxisDriveParams(NamedTuple):
     stop: StopParams
     hold: float
     supervised: bool
+    homing: PotentiometerParams
+    homes: bool
 
 
 class AxisDriveState(NamedTuple):
@@ -139,7 +154,7 @@ class AxisDriveState(NamedTuple):
 
     Attributes
     ----------
-    servo, watch, index_state
+    servo, watch, index_state, homing
         Of its parts.
     phase, steps
         Where it is between power-on and power-off, and for how many steps.
@@ -160,6 +175,7 @@ class AxisDriveState(NamedTuple):
     servo: AxisServoState
     watch: DriveWatchState
     index_state: IndexState
+    homing: HomingState
     phase: int
     steps: int
     place: float
@@ -208,11 +224,19 @@ def drive_step(
         held = s.servo.angle
         if phase == RELEASING:  # the shaft stands: all of the voltage is the resistance's
             watch = unsuspecting(watch, s.servo.voltage / current)
+    homing, s_servo = s.homing, s.servo
+    if phase == HOMING and k % p.servo.speed_samples == 0:
+        homing = potentiometer_step(p.homing, homing, seen.counts, seen.pulses, seen.index_count, seen.potentiometer)
+        if homing.fault != 0 and found == 0:
+            found = HOMING_FAULT + homing.fault
+        if homing.phase == HOMED:
+            s_servo, phase = homed(p.servo, s_servo, homing.offset), RUNNING
+            held = s_servo.angle
     phase, category = _react(phase, s.category, found, asked)
     steps = s.steps + 1 if phase == s.phase else 0
-    phase = _goes_on(p.stop, phase, steps, s.rate, category, abs(watch.emf) - watch.allowed)
+    phase = _goes_on(p.stop, phase, steps, s.rate, category, abs(watch.emf) - watch.allowed, p.homes)
     steps = steps if phase == s.phase else 0
-    servo = _act(p, s, phase, steps, k, seen.counts, current, watch.emf, reference)
+    servo = _act(p, s, s_servo, phase, steps, k, seen.counts, current, watch.emf, homing.speed, reference)
     place, rate = s.place, s.rate
     if k % p.servo.position_samples == p.servo.position_samples - 1:
         rate = 1.0 if phase == RUNNING else max(rate - p.stop.slowing, 0.0) if phase == SLOWING else 0.0
@@ -221,8 +245,9 @@ def drive_step(
     brake = 1 if phase in (OFF, CHECKING, CLOSING, BLIND) else 0
     power = 0 if phase == OFF or (phase == CHECKING and steps < p.check.zero_steps) else 1
     return AxisDriveState(
-        servo, watch, index, phase, steps, place, rate, held, category, voltages, currents, usual, zero, checked,
-        checked_count, brake, power, s.found | (1 << named if named != 0 else 0), s.first if s.first != 0 else named,
+        servo, watch, index, homing, phase, steps, place, rate, held, category, voltages, currents, usual, zero,
+        checked, checked_count, brake, power, s.found | (1 << named if named != 0 else 0),
+        s.first if s.first != 0 else named,
     )  # fmt: skip
 
 
@@ -267,30 +292,33 @@ def _react(phase: int, category: int, found: int, asked: int) -> tuple[int, int]
 
 @loop(error_model="numpy", forceinline=True)
 def _act(
-    params: AxisDriveParams, state: AxisDriveState, phase: int, steps: int, k: int, count: int, current: float,
-    emf: float, reference: Array,
+    params: AxisDriveParams, state: AxisDriveState, servo: AxisServoState, phase: int, steps: int, k: int, count: int,
+    current: float, emf: float, homing_speed: float, reference: Array,
 ) -> AxisServoState:  # fmt: skip
     """The loops in a phase."""
-    p, s = params, state
+    p, s, outer = params, state, params.servo.outer
     if phase == OFF or (phase == CHECKING and steps < p.check.zero_steps):
-        return standing(p.servo, s.servo, count)
+        return standing(p.servo, servo, count)
     if phase == CHECKING:
         second = steps >= p.check.zero_steps + p.check.torque_steps // 2
-        return current_only(p.servo, s.servo, -p.check.current if second else p.check.current, current)
+        return current_only(p.servo, servo, -p.check.current if second else p.check.current, current)
     if phase == BLIND:
         most, brakes = p.watch.max_current, s.usual - p.stop.emf_gain * emf
-        return current_only(p.servo, s.servo, min(max(brakes, -most), most), current)
+        return current_only(p.servo, servo, min(max(brakes, -most), most), current)
     if phase == RELEASING:
-        servo = powered(s.servo, p.hold) if steps == 0 else s.servo
-        return axis_servo_step(p.servo, servo, k, count, current, s.held, 0.0, 0.0)
+        servo = powered(servo, p.hold) if steps == 0 else servo
+        return axis_servo_step(p.servo, servo, k, count, current, s.held, 0.0, 0.0, POSITION_LOOP)
+    if phase == HOMING:
+        speed = homing_speed * p.servo.encoder.resolution
+        return axis_servo_step(p.servo, servo, k, count, current, speed, 0.0, 0.0, SPEED_LOOP)
     r = _at(reference, s.place, 0)
     v = s.rate * _at(reference, s.place + p.servo.speed_lead, 1)
     a = s.rate * s.rate * _at(reference, s.place + p.servo.acceleration_lead, 2)
-    if p.servo.outer != POSITION_LOOP:
+    if outer != POSITION_LOOP:
         r, v, a = s.rate * r, s.rate * r, v
     if phase == SLOWING:
         a -= p.stop.slowing * p.stop.samples * v
-    return axis_servo_step(p.servo, s.servo, k, count, current, r, v, a)
+    return axis_servo_step(p.servo, servo, k, count, current, r, v, a, outer)
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -311,10 +339,10 @@ def _reaction(cause: int) -> int:
 
 
 @loop(error_model="numpy", forceinline=True)
-def _goes_on(stop: StopParams, phase: int, steps: int, rate: float, category: int, emf: float) -> int:
+def _goes_on(stop: StopParams, phase: int, steps: int, rate: float, category: int, emf: float, homes: bool) -> int:
     """The phase after one that has come to its end."""
     if phase == RELEASING and steps >= stop.opening + stop.settling:
-        return RUNNING
+        return HOMING if homes else RUNNING
     if phase == SLOWING and rate <= 0.0 and steps >= stop.settling:
         return HOLDING if category == 2 else CLOSING
     if phase == CLOSING and steps >= stop.closing + stop.settling:

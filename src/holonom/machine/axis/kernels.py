@@ -33,6 +33,7 @@ __all__ = [
     "AxisServoState",
     "axis_servo_step",
     "current_only",
+    "homed",
     "powered",
     "standing",
 ]
@@ -91,6 +92,7 @@ def axis_servo_step(
     reference: float,
     speed: float,
     acceleration: float,
+    outer: int,
 ) -> AxisServoState:
     """One step of the current loop: `voltage` of the state that comes back acts until the next one.
 
@@ -104,6 +106,8 @@ def axis_servo_step(
         What is measured: the counter since power-on; A.
     reference, speed, acceleration
         Of the outermost loop, and what is fed forward: rad/s and rad/s2 at the motor.
+    outer
+        The outermost loop now.
     """
     p, s = params, state
     counts, angle, rate, load = s.counts, s.angle, s.rate, s.load
@@ -114,12 +118,12 @@ def axis_servo_step(
         known = p.acceleration_per_ampere * current
         seen = tracking_step(p.tracking, TrackingState(angle, rate, load), count_angle(p.encoder, counts), known)
         angle, rate, load = seen.angle, seen.speed, seen.load
-        if p.outer == POSITION_LOOP and k % p.position_samples == 0:
+        if outer == POSITION_LOOP and k % p.position_samples == 0:
             speed_reference = next_speed
             next_speed = position_step(p.position, reference, speed, angle)
-        elif p.outer == SPEED_LOOP:
+        elif outer == SPEED_LOOP:
             speed_reference += p.following * (reference - speed_reference)
-        if p.outer != CURRENT_LOOP:
+        if outer != CURRENT_LOOP:
             ahead = acceleration / p.acceleration_per_ampere + p.viscous_current * speed
             if speed > 0.0:
                 ahead += p.friction_current
@@ -127,7 +131,7 @@ def axis_servo_step(
                 ahead -= p.friction_current
             current_reference = next_current
             next_current, speed_integral = speed_step(p.speed, speed_integral, speed_reference, rate, ahead)
-    if p.outer == CURRENT_LOOP:
+    if outer == CURRENT_LOOP:
         current_reference = reference
     voltage = s.next_voltage
     next_voltage, current_integral = current_step(p.current, s.current_integral, current_reference, current, rate)
@@ -160,3 +164,13 @@ def powered(state: AxisServoState, hold: float) -> AxisServoState:
     """The servo of an axis that is switched on where it stands: its speed loop begins with a current (A), bumpless."""
     s = state
     return AxisServoState(s.offset, s.counts, s.angle, 0.0, 0.0, 0.0, hold, 0.0, hold, 0.0, 0.0, hold, 0.0)
+
+
+@loop(error_model="numpy", forceinline=True)
+def homed(params: AxisServoParams, state: AxisServoState, offset: int) -> AxisServoState:
+    """The servo that knows its zero now: position = count + offset; nothing moves for it."""
+    s, moved = state, offset - state.offset
+    return AxisServoState(
+        offset, s.counts + moved, s.angle + moved * params.encoder.resolution, s.rate, s.load, s.current_integral,
+        s.speed_integral, 0.0, s.current_reference, s.voltage, 0.0, s.next_current, s.next_voltage,
+    )  # fmt: skip
