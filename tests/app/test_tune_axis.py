@@ -83,7 +83,7 @@ def test_a_sheet_instead_of_a_preset_and_wishes(tmp_path: Path, capsys: pytest.C
         ("inertia = 3e-5", "inertia = -1.0", "inertia"),
         ("counts = 2000", "counts = 2000\n[wanted]\nspeed = 1000.0", "48 V give less than 796.02 rad/s"),
         ("counts = 2000", "counts = 2000\n[wanted]\nsped = 10.0", "did you mean 'speed'"),
-        ("counts = 2000", "counts = 2000\n[wanted]\nspeed = -3.0", "speed is -3.0"),
+        ("counts = 2000", "counts = 2000\n[wanted]\nspeed = -3.0", "-3.0 came; it must be finite and greater than 0 rad/s"),
         ("counts = 2000", "counts = 2000\n[sample]\ncurrent = 1e-3", "no loop slower than the one around it"),
         ("maxon_re40_48v", "maxon_re41", "maxon_re40_48v"),
     ],
