@@ -46,7 +46,7 @@ Compiled steps over scalars (`kernels.py` of each room), for a loop that keeps t
 `stiction_step`         friction of a simulated shaft, which holds at standstill
 `lugre_step`            friction of bristles, integrated exactly
 `friction_torque`       friction as a controller feeds it forward, by speed alone
-`gear_torque`           motor torque to joint torque
+`gear_torque`           motor torque to joint torque; `geared_step`: with friction, holds at standstill
 `quadrature_step`       motor angle to levels, edges, count and index pulses
 `receive_pairs`         wires to signals, and which is broken or exchanged
 `index_step`            index pulses to lost counts
@@ -190,6 +190,7 @@ from holonom.devices.transmission.kernels import (
     StictionParams,
     friction_torque,
     gear_torque,
+    geared_step,
     lugre_step,
     stiction_step,
 )
@@ -340,6 +341,7 @@ __all__ = [
     "fit_heydemann",
     "friction_torque",
     "gear_torque",
+    "geared_step",
     "gray_decode",
     "gray_encode",
     "hall_sector",
