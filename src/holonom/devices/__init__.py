@@ -14,7 +14,11 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 `Brake`                 holds without power, with its delays
 `PwmBridge`             ripple, dead time; `Supply` sags; `CurrentLimiter` with a dead band
 `Gear`                  signed ratio, efficiency
-`Friction`              viscous and asymmetric Coulomb
+`HarmonicDrive`         ratio by its teeth, stiffness in pieces, ripple
+`Backlash`              gap that a load floats in, its describing function; a preloaded pair
+`DeadZone`              its inverse, and what a tachometer loop leaves of it
+`TwoMass`               motor and load on an elastic shaft: resonance, antiresonance, exact step
+`Friction`              viscous and asymmetric Coulomb, Stribeck's curve
 `LuGre`                 bristles: stick-slip, presliding, Stribeck
 `Encoder`               counts, longest read interval; `tracking_params` for the speed observer
 `QuadratureEncoder`     lines, decoding; every edge, with `line_faults`; `LINE_RECEIVERS`, `Counter`
@@ -47,6 +51,10 @@ Compiled steps over scalars (`kernels.py` of each room), for a loop that keeps t
 `lugre_step`            friction of bristles, integrated exactly
 `friction_torque`       friction as a controller feeds it forward, by speed alone
 `gear_torque`           motor torque to joint torque; `geared_step`: with friction, holds at standstill
+`harmonic_torques`      angles and speeds to torques at motor and joint
+`flank_torque`          twist in a gap to torque; `play_step`: hysteresis of play
+`dead_zone`             what is beyond it; `undo_dead_zone`
+`two_mass_step`         torques to twist and speeds, exact
 `quadrature_step`       motor angle to levels, edges, count and index pulses
 `receive_pairs`         wires to signals, and which is broken or exchanged
 `index_step`            index pulses to lost counts
@@ -181,8 +189,11 @@ from holonom.devices.sensors import Accelerometer, CurrentShunt, Gyro
 from holonom.devices.sizing.cycle import LoadCycle, best_ratio
 from holonom.devices.sizing.selection import Choice, GearChoice, Rejection, SizingLimits, select_drive
 from holonom.devices.steering import SteeringMotor, SteeringParams
+from holonom.devices.transmission.backlash import Backlash, FlankParams, flank_torque, play_step
+from holonom.devices.transmission.dead_zone import DeadZone, DeadZoneParams, dead_zone, undo_dead_zone
 from holonom.devices.transmission.friction import Friction
 from holonom.devices.transmission.gear import Gear
+from holonom.devices.transmission.harmonic import HarmonicDrive, HarmonicParams, HarmonicTorques, harmonic_torques
 from holonom.devices.transmission.kernels import (
     FrictionParams,
     GearParams,
@@ -195,6 +206,7 @@ from holonom.devices.transmission.kernels import (
     stiction_step,
 )
 from holonom.devices.transmission.lugre import LuGre
+from holonom.devices.transmission.two_mass import TwoMass, TwoMassParams, TwoMassState, two_mass_step
 
 __all__ = [
     "CONTRADICTION",
@@ -212,6 +224,7 @@ __all__ = [
     "Accelerometer",
     "AngleTable",
     "ArmatureParams",
+    "Backlash",
     "BissFrame",
     "Brake",
     "BrakeParams",
@@ -226,6 +239,8 @@ __all__ = [
     "CurrentShunt",
     "DcMotor",
     "DeadBand",
+    "DeadZone",
+    "DeadZoneParams",
     "DecodedFrame",
     "Dq",
     "EdgeReading",
@@ -236,12 +251,16 @@ __all__ = [
     "FieldParams",
     "FieldState",
     "Finding",
+    "FlankParams",
     "Friction",
     "FrictionParams",
     "Gear",
     "GearChoice",
     "GearParams",
     "Gyro",
+    "HarmonicDrive",
+    "HarmonicParams",
+    "HarmonicTorques",
     "HomingFault",
     "HomingPhase",
     "HomingState",
@@ -313,6 +332,9 @@ __all__ = [
     "ThermalParams",
     "TrackingParams",
     "TrackingState",
+    "TwoMass",
+    "TwoMassParams",
+    "TwoMassState",
     "armature_step",
     "best_ratio",
     "brake_step",
@@ -326,6 +348,7 @@ __all__ = [
     "corrected_count",
     "count_angle",
     "crc",
+    "dead_zone",
     "decode_frame",
     "decode_levels",
     "difference_speed",
@@ -339,12 +362,14 @@ __all__ = [
     "fine_angle",
     "first_reading",
     "fit_heydemann",
+    "flank_torque",
     "friction_torque",
     "gear_torque",
     "geared_step",
     "gray_decode",
     "gray_encode",
     "hall_sector",
+    "harmonic_torques",
     "index_misplaced",
     "index_step",
     "induction_step",
@@ -358,6 +383,7 @@ __all__ = [
     "m_t_step",
     "motor_card",
     "observer_step",
+    "play_step",
     "pll_step",
     "pmsm_step",
     "pmsm_torque",
@@ -385,6 +411,8 @@ __all__ = [
     "thermal_step",
     "tracking_params",
     "tracking_step",
+    "two_mass_step",
+    "undo_dead_zone",
     "unwrap_count",
     "wrap_count",
 ]

@@ -40,8 +40,8 @@ class Friction:
         check_fields(self, ModelError)
         if self.static_ratio > 1.0 and self.stribeck_speed == 0.0:
             raise ModelError(
-                f"Friction: static_ratio is {self.static_ratio:g}, stribeck_speed 0; state the speed (rad/s) over which "
-                "friction falls from its value at rest, or a ratio of 1"
+                f"Friction: static_ratio is {self.static_ratio:g}, stribeck_speed 0; state the speed (rad/s) at "
+                "which half of the rise is left, or a ratio of 1"
             )
 
     @property

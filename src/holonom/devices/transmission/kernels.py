@@ -27,7 +27,7 @@ __all__ = [
 
 
 class FrictionParams(NamedTuple):
-    """Viscous in N m s/rad; Coulomb magnitudes in N m for speed > 0 and < 0; smoothing in rad/s; `stribeck`'s numbers."""
+    """Viscous in N m s/rad; Coulomb magnitudes in N m for speed > 0 and < 0; smoothing in rad/s; `stribeck`."""
 
     viscous: float
     coulomb_positive: float
