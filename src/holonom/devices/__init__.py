@@ -26,8 +26,14 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 `SinCosEncoder`         1 Vpp signals with their errors, `fit_heydemann` against them
 `FRAMES`                kinds of `encode_frame`, `decode_frame`; `SPEED_METHODS`: ways to a speed
 `SteeringMotor`         how fast, hard and exactly a wheel is steered
-`Gyro`                  noise and offset; `Accelerometer` and `CurrentShunt` too
+`Tachometer`            voltage in proportion to speed, ripple, filter
+`CurrentSensor`         shunt, amplifier, filter and converter
+`Gyro`                  noise and offset, of bases; `Accelerometer` and `CurrentShunt` too
+`Imu`                   three axes: noise, bias that walks, scale; `allan_deviation`
+`ForceSensor`           six axes: noise, bias, crosstalk; `fit_crosstalk`, `fit_tool`: what hangs on it
 ======================  ========================================================================
+
+`contact_force` is what motor torques say of a contact.
 
 `select_drive` ranks motors and gears for a `LoadCycle`. `DEVICES` lists devices, `MOTORS` motors that can be bought
 (`motor_card`).
@@ -61,6 +67,9 @@ Compiled steps over scalars (`kernels.py` of each room), for a loop that keeps t
 `potentiometer_step`    homing; `switch_step` too
 `fine_angle`            count, sine and cosine to motor angle
 `capture_edges`         motor angles to what a timer latches, for the ways to a speed
+`tachometer_step`       angle and speed to a voltage
+`current_reading`       current to a reading
+`drift_step`            one axis of an `Imu`
 `encoder_counter`       motor angle to the 16-bit counter
 `extend_counter`        16-bit reads to a 64-bit count
 `count_angle`           count to motor angle
@@ -185,7 +194,19 @@ from holonom.devices.power.brake import Brake, BrakeParams, BrakeState, brake_st
 from holonom.devices.power.bridge import BridgeParams, PwmBridge, bridge_voltage
 from holonom.devices.power.limiter import CurrentLimiter, LimiterParams, limiter_voltage
 from holonom.devices.power.supply import Supply, SupplyParams, supply_step
-from holonom.devices.sensors import Accelerometer, CurrentShunt, Gyro
+from holonom.devices.sensors.contact import ContactForce, contact_force
+from holonom.devices.sensors.current import CurrentParams, CurrentSensor, CurrentShunt, current_reading
+from holonom.devices.sensors.force import Crosstalk, ForceSensor, ToolLoad, fit_crosstalk, fit_tool
+from holonom.devices.sensors.inertial import (
+    Accelerometer,
+    DriftParams,
+    Gyro,
+    Imu,
+    ImuReadings,
+    allan_deviation,
+    drift_step,
+)
+from holonom.devices.sensors.tachometer import Tachometer, TachometerParams, tachometer_step
 from holonom.devices.sizing.cycle import LoadCycle, best_ratio
 from holonom.devices.sizing.selection import Choice, GearChoice, Rejection, SizingLimits, select_drive
 from holonom.devices.steering import SteeringMotor, SteeringParams
@@ -234,8 +255,12 @@ __all__ = [
     "Choice",
     "Cogging",
     "CoggingParams",
+    "ContactForce",
     "Counter",
+    "Crosstalk",
     "CurrentLimiter",
+    "CurrentParams",
+    "CurrentSensor",
     "CurrentShunt",
     "DcMotor",
     "DeadBand",
@@ -243,6 +268,7 @@ __all__ = [
     "DeadZoneParams",
     "DecodedFrame",
     "Dq",
+    "DriftParams",
     "EdgeReading",
     "Encoder",
     "EncoderParams",
@@ -252,6 +278,7 @@ __all__ = [
     "FieldState",
     "Finding",
     "FlankParams",
+    "ForceSensor",
     "Friction",
     "FrictionParams",
     "Gear",
@@ -264,6 +291,8 @@ __all__ = [
     "HomingFault",
     "HomingPhase",
     "HomingState",
+    "Imu",
+    "ImuReadings",
     "IndexCorrection",
     "IndexFault",
     "IndexParams",
@@ -327,14 +356,18 @@ __all__ = [
     "TMethod",
     "TParams",
     "TState",
+    "Tachometer",
+    "TachometerParams",
     "Temperatures",
     "ThermalModel",
     "ThermalParams",
+    "ToolLoad",
     "TrackingParams",
     "TrackingState",
     "TwoMass",
     "TwoMassParams",
     "TwoMassState",
+    "allan_deviation",
     "armature_step",
     "best_ratio",
     "brake_step",
@@ -344,14 +377,17 @@ __all__ = [
     "check_angles",
     "check_sheet",
     "cogging_torque",
+    "contact_force",
     "correct_sincos",
     "corrected_count",
     "count_angle",
     "crc",
+    "current_reading",
     "dead_zone",
     "decode_frame",
     "decode_levels",
     "difference_speed",
+    "drift_step",
     "drive_pair",
     "encode_frame",
     "encoder_counter",
@@ -361,7 +397,9 @@ __all__ = [
     "field_step",
     "fine_angle",
     "first_reading",
+    "fit_crosstalk",
     "fit_heydemann",
+    "fit_tool",
     "flank_torque",
     "friction_torque",
     "gear_torque",
@@ -408,6 +446,7 @@ __all__ = [
     "supply_step",
     "switch_step",
     "t_step",
+    "tachometer_step",
     "thermal_step",
     "tracking_params",
     "tracking_step",

@@ -14,6 +14,10 @@ from holonom.devices.motors.thermal import ThermalModel
 from holonom.devices.power.bridge import PwmBridge
 from holonom.devices.power.limiter import CurrentLimiter
 from holonom.devices.power.supply import Supply
+from holonom.devices.sensors.current import CurrentSensor
+from holonom.devices.sensors.force import ForceSensor
+from holonom.devices.sensors.inertial import Imu
+from holonom.devices.sensors.tachometer import Tachometer
 from holonom.devices.transmission.backlash import Backlash
 from holonom.devices.transmission.dead_zone import DeadZone
 from holonom.devices.transmission.friction import Friction
@@ -87,6 +91,15 @@ DEVICES = Table(
             _itself,
             "Canudas de Wit, Olsson, Astrom, Lischinsky, IEEE TAC 40(3), 1995; specification 03.2",
             LuGre,
+        ),
+        "tachometer": Method("voltage in proportion to speed, with its ripple", _itself, _LEONHARD, Tachometer),
+        "current_sensor": Method("shunt with its amplifier and converter", _itself, _MOHAN, CurrentSensor),
+        "imu": Method("gyros and accelerometers of three axes", _itself, "IEEE Std 952-1997; spec 03.4", Imu),
+        "force_sensor": Method(
+            "force and torque of six axes, with crosstalk",
+            _itself,
+            "Siciliano, Khatib, Springer Handbook of Robotics, ch. 28; spec 03.4",
+            ForceSensor,
         ),
     },
 )
