@@ -142,7 +142,7 @@ def fit_tool(rotations: ArrayLike, wrenches: ArrayLike, *, gravity: ArrayLike) -
     ----------
     rotations : R_ws (N, 3, 3), at least 4, which tilt the sensor about two axes.
     wrenches : decoupled readings (N, 6), N and N m, in the sensor's frame.
-    gravity : (3,), m/s2, in the world, e.g. (0, 0, -9.81).
+    gravity : (3,), m/s2, in the world: downwards.
 
     Raises
     ------
