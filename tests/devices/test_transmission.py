@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterable
 from itertools import repeat
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +14,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from holonom.devices import Friction, Gear, LuGre, friction_torque, gear_torque, lugre_step, stiction_step
+from holonom.devices import (
+    Friction,
+    Gear,
+    LuGre,
+    friction_torque,
+    gear_torque,
+    geared_step,
+    lugre_step,
+    stiction_step,
+)
 from holonom.errors import ModelError
 
 speeds = st.floats(-500.0, 500.0)
@@ -99,6 +110,31 @@ def test_stiction_never_gives_energy(history: list[float]) -> None:
         assert energy >= -1e-9
 
 
+STICKY = Friction(0.0, 0.4, 0.3, static_ratio=1.5, stribeck_speed=2.0)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_breakaway_is_the_static_friction(side: float) -> None:
+    coulomb = 0.4 if side > 0.0 else 0.3
+    angles, _ = turn(STICKY, repeat(1.49 * side * coulomb, 60_000))
+    assert max(angles[20_000:]) - min(angles[20_000:]) < 1e-12
+    _, speeds = turn(STICKY, repeat(1.51 * side * coulomb, 20_000))
+    assert side * speeds[-1] > 100.0  # once it slips, half of the static friction is left to drive it
+
+
+@given(speed=speeds.filter(lambda w: abs(w) > 1e-3), ratio=st.floats(1.0, 3.0), width=st.floats(0.1, 100.0))
+def test_friction_falls_by_stribecks_curve(speed: float, ratio: float, width: float) -> None:
+    friction = Friction(1e-3, 0.4, 0.3, ratio, width)
+    coulomb = math.copysign(0.4 if speed > 0.0 else 0.3, speed)
+    expected = 1e-3 * speed + coulomb * (1.0 + (ratio - 1.0) * width**2 / (width**2 + speed**2))
+    params, held, rubbed = friction.stiction(INERTIA, DT), 0.0, 0.0
+    for _ in range(2 + math.ceil(3.0 / (params.winding * abs(speed)))) if abs(speed) > 0.1 else ():
+        rubbed, held = stiction_step(params, held, speed)
+    if abs(speed) > 0.1:
+        assert rubbed == pytest.approx(expected, rel=1e-12)
+    assert friction_torque(friction.params(1e-9), speed) == pytest.approx(expected, rel=1e-9)
+
+
 CANUDAS = LuGre(1e5, 316.228, 0.4, 1.0, 1.5, 1e-3)
 
 
@@ -154,6 +190,77 @@ def test_a_gear_with_a_negative_ratio_turns_the_torque() -> None:
     assert gear_torque(Gear(-62.61).params(), 1.0, 5.0) == -62.61
 
 
+efficiencies = st.floats(0.3, 0.99)
+
+
+def test_published_gear(data_folder: Path) -> None:
+    cases = json.loads((data_folder / "control" / "open_cases.json").read_text("utf-8"))
+    found = next(one for one in cases if one["id"] == "gear with efficiency")
+    g, wanted = found["input"], found["expected"]
+    gear, m = Gear(g["ratio"], g["efficiency"]), g["motor_torque"]
+    assert gear_torque(gear.params(), m, 1.0) == pytest.approx(wanted["driving"], rel=found["tol"])
+    assert gear_torque(gear.params(), m, -1.0) == pytest.approx(wanted["driven_back"], rel=found["tol"])
+    params = Friction().stiction(INERTIA, DT, gear.efficiency)
+    for speed, name in ((100.0, "driving"), (-100.0, "driven_back")):
+        assert geared_step(params, gear.params(), 0.0, m, speed)[0] == pytest.approx(wanted[name], rel=found["tol"])
+
+
+@given(efficiency=efficiencies, torque=st.floats(-2.0, 2.0), speed=st.sampled_from([-400.0, -90.0, 90.0, 400.0]))
+def test_a_turning_gear_with_friction_is_both_in_turn(efficiency: float, torque: float, speed: float) -> None:
+    gear, params = Gear(-62.61, efficiency).params(), STICKY.stiction(INERTIA, DT, efficiency)
+    held = found = rubbed = other = 0.0
+    for _ in range(20):
+        found, held = geared_step(params, gear, held, torque, speed)
+        rubbed, other = stiction_step(params, other, speed)
+    assert found == pytest.approx(gear_torque(gear, torque - rubbed, speed), rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("coulomb", [0.0, 0.1])
+@pytest.mark.parametrize("efficiency", [0.4, 0.8, 0.97])
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_gear_at_rest_holds_whatever_it_can(side: float, efficiency: float, coulomb: float) -> None:
+    """Between what drives it and what drives it back it stands; beyond either it turns that way."""
+    motor = 0.5 * side
+    least = efficiency * (0.5 - coulomb) * side
+    most = (0.5 + coulomb) / efficiency * side
+    for part, way in ((-0.02, 1.0), (0.02, 0.0), (0.5, 0.0), (0.98, 0.0), (1.02, -1.0)):
+        load = least + part * (most - least)
+        gear, params = Gear(1.0, efficiency).params(), Friction(0.0, coulomb, coulomb).stiction(INERTIA, DT, efficiency)
+        held = speed = angle = 0.0
+        places = []
+        for k in range(20_000):
+            torque, held = geared_step(params, gear, held, motor, speed)
+            speed += DT * (torque - load) / INERTIA
+            angle += DT * speed
+            if k >= 10_000:
+                places.append(angle)
+        if way == 0.0:
+            assert max(places) - min(places) < 1e-12
+            assert abs(speed) < 1e-12
+        else:
+            assert side * way * (places[-1] - places[0]) > 0.1
+
+
+@given(st.lists(st.tuples(speeds, st.floats(-2.0, 2.0)), max_size=100), efficiencies)
+def test_friction_and_gear_never_give_energy(history: list[tuple[float, float]], efficiency: float) -> None:
+    gear, params, held, lost = Gear(1.0, efficiency).params(), STICKY.stiction(INERTIA, DT, efficiency), 0.0, 0.0
+    for speed, motor in history:
+        torque, held = geared_step(params, gear, held, motor, speed)
+        if abs(speed) > 50.0:  # slipping
+            assert (motor - torque) * speed >= -1e-9
+        lost += abs(held)
+    assert math.isfinite(lost)
+
+
+@given(st.floats(0.0, 0.95))
+def test_a_gear_of_load_friction(part: float) -> None:
+    """Driving and driven back differ from their mean by that part of it, whatever the torque."""
+    gear = Gear.rubbing(50.0, part)
+    driving, back = (gear_torque(gear.params(), 1.0, speed) for speed in (1.0, -1.0))
+    assert (back - driving) / (back + driving) == pytest.approx(part, abs=1e-12)
+    assert gear.load_friction == pytest.approx(part, abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("make", "named"),
     [
@@ -164,6 +271,11 @@ def test_a_gear_with_a_negative_ratio_turns_the_torque() -> None:
         (lambda: Friction(-1e-3), "viscous is -0.001; it must be finite and at least 0"),
         (lambda: Friction(0.0, math.inf), "coulomb_positive is inf"),
         (lambda: Friction(0.0, 0.1, -0.4), "coulomb_negative is -0.4"),
+        (lambda: Friction(0.0, 0.1, 0.1, 0.9), "static_ratio is 0.9; it must be finite and at least 1"),
+        (lambda: Friction(0.0, 0.1, 0.1, 1.5), "static_ratio is 1.5, stribeck_speed 0; state the speed"),
+        (lambda: Friction(0.0, 0.1, 0.1).stiction(1e-4, 1e-4, 0.0), "efficiency is 0"),
+        (lambda: Gear.rubbing(10.0, -0.1), "load_friction is -0.1"),
+        (lambda: Gear.rubbing(10.0, 1.0), "load_friction is 1; it must be less than 1"),
         (lambda: Friction(0.0, 0.1, 0.1).params(0.0), "smoothing is 0"),
         (lambda: LuGre(1e5, 300.0, 0.4, 1.0, 0.9, 1e-3), "static is 0.9; it must be finite and at least 1"),
         (lambda: LuGre(0.0, 300.0, 0.4, 1.0, 1.5, 1e-3), "stiffness is 0"),

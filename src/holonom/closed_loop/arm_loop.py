@@ -234,4 +234,5 @@ def _drive(joint: Joint) -> AxisDrive:
     motor = joint_motor(joint)
     assert joint.motor is not None
     ratio = joint.motor.gear_ratio
-    return AxisDrive(motor, Gear(ratio), Encoder(joint.motor.encoder_counts), joint_friction(joint, ratio))
+    gear = Gear(ratio, joint.motor.gear_efficiency)
+    return AxisDrive(motor, gear, Encoder(joint.motor.encoder_counts), joint_friction(joint, ratio))

@@ -14,7 +14,11 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 `Brake`                 holds without power, with its delays
 `PwmBridge`             ripple, dead time; `Supply` sags; `CurrentLimiter` with a dead band
 `Gear`                  signed ratio, efficiency
-`Friction`              viscous and asymmetric Coulomb
+`HarmonicDrive`         ratio by its teeth, stiffness in pieces, ripple
+`Backlash`              gap that a load floats in, its describing function; a preloaded pair
+`DeadZone`              its inverse, and what a tachometer loop leaves of it
+`TwoMass`               motor and load on an elastic shaft: resonance, antiresonance, exact step
+`Friction`              viscous and asymmetric Coulomb, Stribeck's curve
 `LuGre`                 bristles: stick-slip, presliding, Stribeck
 `Encoder`               counts, longest read interval; `tracking_params` for the speed observer
 `QuadratureEncoder`     lines, decoding; every edge, with `line_faults`; `LINE_RECEIVERS`, `Counter`
@@ -22,8 +26,14 @@ Data sheets, validated, each with a verb that makes the params of its compiled s
 `SinCosEncoder`         1 Vpp signals with their errors, `fit_heydemann` against them
 `FRAMES`                kinds of `encode_frame`, `decode_frame`; `SPEED_METHODS`: ways to a speed
 `SteeringMotor`         how fast, hard and exactly a wheel is steered
-`Gyro`                  noise and offset; `Accelerometer` and `CurrentShunt` too
+`Tachometer`            voltage in proportion to speed, ripple, filter
+`CurrentSensor`         shunt, amplifier, filter and converter
+`Gyro`                  noise and offset, of bases; `Accelerometer` and `CurrentShunt` too
+`Imu`                   three axes: noise, bias that walks, scale; `allan_deviation`
+`ForceSensor`           six axes: noise, bias, crosstalk; `fit_crosstalk`, `fit_tool`: what hangs on it
 ======================  ========================================================================
+
+`contact_force` is what motor torques say of a contact.
 
 `select_drive` ranks motors and gears for a `LoadCycle`. `DEVICES` lists devices, `MOTORS` motors that can be bought
 (`motor_card`).
@@ -46,13 +56,20 @@ Compiled steps over scalars (`kernels.py` of each room), for a loop that keeps t
 `stiction_step`         friction of a simulated shaft, which holds at standstill
 `lugre_step`            friction of bristles, integrated exactly
 `friction_torque`       friction as a controller feeds it forward, by speed alone
-`gear_torque`           motor torque to joint torque
+`gear_torque`           motor torque to joint torque; `geared_step`: with friction, holds at standstill
+`harmonic_torques`      angles and speeds to torques at motor and joint
+`flank_torque`          twist in a gap to torque; `play_step`: hysteresis of play
+`dead_zone`             what is beyond it; `undo_dead_zone`
+`two_mass_step`         torques to twist and speeds, exact
 `quadrature_step`       motor angle to levels, edges, count and index pulses
 `receive_pairs`         wires to signals, and which is broken or exchanged
 `index_step`            index pulses to lost counts
 `potentiometer_step`    homing; `switch_step` too
 `fine_angle`            count, sine and cosine to motor angle
 `capture_edges`         motor angles to what a timer latches, for the ways to a speed
+`tachometer_step`       angle and speed to a voltage
+`current_reading`       current to a reading
+`drift_step`            one axis of an `Imu`
 `encoder_counter`       motor angle to the 16-bit counter
 `extend_counter`        16-bit reads to a 64-bit count
 `count_angle`           count to motor angle
@@ -187,12 +204,27 @@ from holonom.devices.power.brake import Brake, BrakeParams, BrakeState, brake_st
 from holonom.devices.power.bridge import BridgeParams, PwmBridge, bridge_voltage
 from holonom.devices.power.limiter import CurrentLimiter, LimiterParams, limiter_voltage
 from holonom.devices.power.supply import Supply, SupplyParams, supply_step
-from holonom.devices.sensors import Accelerometer, CurrentShunt, Gyro
+from holonom.devices.sensors.contact import ContactForce, contact_force
+from holonom.devices.sensors.current import CurrentParams, CurrentSensor, CurrentShunt, current_reading
+from holonom.devices.sensors.force import Crosstalk, ForceSensor, ToolLoad, fit_crosstalk, fit_tool
+from holonom.devices.sensors.inertial import (
+    Accelerometer,
+    DriftParams,
+    Gyro,
+    Imu,
+    ImuReadings,
+    allan_deviation,
+    drift_step,
+)
+from holonom.devices.sensors.tachometer import Tachometer, TachometerParams, tachometer_step
 from holonom.devices.sizing.cycle import LoadCycle, best_ratio
 from holonom.devices.sizing.selection import Choice, GearChoice, Rejection, SizingLimits, select_drive
 from holonom.devices.steering import SteeringMotor, SteeringParams
+from holonom.devices.transmission.backlash import Backlash, FlankParams, flank_torque, play_step
+from holonom.devices.transmission.dead_zone import DeadZone, DeadZoneParams, dead_zone, undo_dead_zone
 from holonom.devices.transmission.friction import Friction
 from holonom.devices.transmission.gear import Gear
+from holonom.devices.transmission.harmonic import HarmonicDrive, HarmonicParams, HarmonicTorques, harmonic_torques
 from holonom.devices.transmission.kernels import (
     FrictionParams,
     GearParams,
@@ -200,10 +232,12 @@ from holonom.devices.transmission.kernels import (
     StictionParams,
     friction_torque,
     gear_torque,
+    geared_step,
     lugre_step,
     stiction_step,
 )
 from holonom.devices.transmission.lugre import LuGre
+from holonom.devices.transmission.two_mass import TwoMass, TwoMassParams, TwoMassState, two_mass_step
 
 __all__ = [
     "DEVICES",
@@ -397,3 +431,36 @@ __all__ = [
     "unwrap_count",
     "wrap_count",
 ]
+    "CONTRADICTION", "DEVICES", "FRAMES", "HEALTHY", "HOMINGS", "HOMING_START", "INDEX_START", "LINE_RECEIVERS",
+    "MOTORS", "NOTE", "SPEED_METHODS", "WARNING", "Accelerometer", "AngleTable", "ArmatureParams", "Backlash",
+    "BissFrame", "Brake", "BrakeParams", "BrakeState", "BridgeParams", "CaptureParams", "Choice", "Cogging",
+    "CoggingParams", "ContactForce", "Counter", "Crosstalk", "CurrentLimiter", "CurrentParams", "CurrentSensor",
+    "CurrentShunt", "DcMotor", "DeadBand", "DeadZone", "DeadZoneParams", "DecodedFrame", "Dq", "DriftParams",
+    "EdgeReading", "Encoder", "EncoderParams", "EndatFrame", "FieldOrientation", "FieldParams", "FieldState", "Finding",
+    "FlankParams", "ForceSensor", "Friction", "FrictionParams", "Gear", "GearChoice", "GearParams", "Gyro",
+    "HarmonicDrive", "HarmonicParams", "HarmonicTorques", "HomingFault", "HomingPhase", "HomingState", "Imu",
+    "ImuReadings", "IndexCorrection", "IndexFault", "IndexParams", "IndexState", "InductionMachine", "InductionMotor",
+    "InductionParams", "InductionState", "LimiterParams", "LineFault", "LineFaults", "LineReceiver", "LoadCycle",
+    "LuGre", "LuGreParams", "MMethod", "MParams", "MState", "MTMethod", "MTState", "MotorCard", "MotorSheet",
+    "ObserverMethod", "ObserverParams", "ObserverState", "PllMethod", "PllParams", "PllState", "Pmsm", "PmsmParams",
+    "PmsmRun", "PotentiometerHoming", "PotentiometerParams", "PwmBridge", "QuadratureEncoder", "QuadratureParams",
+    "QuadratureState", "ReceiverParams", "Rejection", "ReluctanceCycle", "ReluctanceParams", "SheetCheck",
+    "SinCosCorrection", "SinCosEncoder", "SinCosParams", "SixStep", "SixStepParams", "SizingLimits", "SsiFrame",
+    "SteeringMotor", "SteeringParams", "Stepper", "StepperParams", "StepperState", "StictionParams", "Supply",
+    "SupplyParams", "SwitchHoming", "SwitchParams", "SwitchedReluctance", "TMethod", "TParams", "TState", "Tachometer",
+    "TachometerParams", "Temperatures", "ThermalModel", "ThermalParams", "ToolLoad", "TrackingParams", "TrackingState",
+    "TwoMass", "TwoMassParams", "TwoMassState", "allan_deviation", "armature_step", "best_ratio", "brake_step",
+    "bridge_voltage", "capture_edges", "capture_params", "check_angles", "check_sheet", "cogging_torque",
+    "contact_force", "correct_sincos", "corrected_count", "count_angle", "crc", "current_reading", "dead_zone",
+    "decode_frame", "decode_levels", "difference_speed", "drift_step", "drive_pair", "encode_frame", "encoder_counter",
+    "equal_resolution_speed", "extend_counter", "field_reference", "field_step", "fine_angle", "first_reading",
+    "fit_crosstalk", "fit_heydemann", "fit_tool", "flank_torque", "friction_torque", "gear_torque", "geared_step",
+    "gray_decode", "gray_encode", "hall_sector", "harmonic_torques", "index_misplaced", "index_step", "induction_step",
+    "interpolate", "join_turns", "limiter_voltage", "line_faults", "line_receiver", "lugre_step", "m_step", "m_t_step",
+    "motor_card", "observer_step", "play_step", "pll_step", "pmsm_step", "pmsm_torque", "potentiometer_step",
+    "quadrature_step", "quarter_of", "receive_pair", "receive_pairs", "reluctance_cycle", "reluctance_on",
+    "reluctance_step", "reluctance_torque", "run_pmsm", "select_drive", "sincos_signals", "six_step_step",
+    "six_step_torque", "split_turns", "stepper_step", "stepper_torque", "stiction_step", "supply_step", "switch_step",
+    "t_step", "tachometer_step", "thermal_step", "tracking_params", "tracking_step", "two_mass_step", "undo_dead_zone",
+    "unwrap_count", "wrap_count",
+]  # fmt: skip

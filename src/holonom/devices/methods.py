@@ -14,9 +14,17 @@ from holonom.devices.motors.thermal import ThermalModel
 from holonom.devices.power.bridge import PwmBridge
 from holonom.devices.power.limiter import CurrentLimiter
 from holonom.devices.power.supply import Supply
+from holonom.devices.sensors.current import CurrentSensor
+from holonom.devices.sensors.force import ForceSensor
+from holonom.devices.sensors.inertial import Imu
+from holonom.devices.sensors.tachometer import Tachometer
+from holonom.devices.transmission.backlash import Backlash
+from holonom.devices.transmission.dead_zone import DeadZone
 from holonom.devices.transmission.friction import Friction
 from holonom.devices.transmission.gear import Gear
+from holonom.devices.transmission.harmonic import HarmonicDrive
 from holonom.devices.transmission.lugre import LuGre
+from holonom.devices.transmission.two_mass import TwoMass
 from holonom.registry import Method, Table
 
 __all__ = ["DEVICES"]
@@ -52,9 +60,28 @@ DEVICES = Table(
         "pwm_bridge": Method("bridge of switches", _itself, _MOHAN, PwmBridge),
         "supply": Method("battery or rectifier with a DC link", _itself, _MOHAN, Supply),
         "current_limiter": Method("dead band in negative feedback", _itself, "000 3.6.1; spec 03.1", CurrentLimiter),
-        "gear": Method("stiff gear without play", _itself, _CRAIG, Gear),
+        "gear": Method("stiff gear without play, with its efficiency", _itself, _CRAIG, Gear),
+        "harmonic_drive": Method(
+            "harmonic drive with its stiffness in pieces and its error",
+            _itself,
+            "Tuttle, Seering, IEEE T-RA 12(3), 1996; spec 03.2",
+            HarmonicDrive,
+        ),
+        "backlash": Method(
+            "gap between flanks, or a preloaded pair",
+            _itself,
+            "Slotine, Li, Applied Nonlinear Control, 1991, 5.2; spec 03.2",
+            Backlash,
+        ),
+        "dead_zone": Method("what moves nothing, and its inverse", _itself, "000 3.6; spec 03.5", DeadZone),
+        "two_mass": Method(
+            "motor and load at the ends of an elastic shaft",
+            _itself,
+            "Schröder, Elektrische Antriebe, Regelung von Antriebssystemen; spec 03.2",
+            TwoMass,
+        ),
         "friction": Method(
-            "viscous and asymmetric Coulomb friction",
+            "viscous and asymmetric Coulomb friction with Stribeck's curve",
             _itself,
             "Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30(7), 1994",
             Friction,
@@ -64,6 +91,15 @@ DEVICES = Table(
             _itself,
             "Canudas de Wit, Olsson, Astrom, Lischinsky, IEEE TAC 40(3), 1995; specification 03.2",
             LuGre,
+        ),
+        "tachometer": Method("voltage in proportion to speed, with its ripple", _itself, _LEONHARD, Tachometer),
+        "current_sensor": Method("shunt with its amplifier and converter", _itself, _MOHAN, CurrentSensor),
+        "imu": Method("gyros and accelerometers of three axes", _itself, "IEEE Std 952-1997; spec 03.4", Imu),
+        "force_sensor": Method(
+            "force and torque of six axes, with crosstalk",
+            _itself,
+            "Siciliano, Khatib, Springer Handbook of Robotics, ch. 28; spec 03.4",
+            ForceSensor,
         ),
     },
 )

@@ -3,17 +3,19 @@
 It never sees a plant: measurements come in and commands go out as the arrays of `devices.drive_signals`. Everything
 that evolves is explicit state that can be copied.
 
-=====================  ===========================================================
+=====================  =====================================================================================
 `ArmMachine`           an arm behind `lang.Machine`: motions, servos (`ArmServos`, `ControlSettings`), hand
 `Levels`               periods of supervisor, model and servos; `PointBuffer` between two of them
 `BaseController`       a mobile base: keeps a path, follows velocities, holds; settings `BaseSettings`
 `plan_path`            a reference for it, along `PATHS` or `waypoints`
 `DryMachine`           an arm without dynamics, for off-line checks
 `branch_joints`        where a motion to a tool pose ends
-=====================  ===========================================================
+`contact_by_currents`  contact force at an arm's tool, by its motors' currents, with its error (`ContactErrors`)
+=====================  =====================================================================================
 """
 
 from holonom.control import CONTROLLERS
+from holonom.machine.arm.contact import ContactErrors, contact_by_currents
 from holonom.machine.arm.dry import DryMachine, Problem
 from holonom.machine.arm.machine import ArmMachine
 from holonom.machine.arm.motions import LineSettings, branch_joints
@@ -30,6 +32,7 @@ __all__ = [
     "ArmServos",
     "BaseController",
     "BaseSettings",
+    "ContactErrors",
     "ControlSettings",
     "Creep",
     "DryMachine",
@@ -41,6 +44,7 @@ __all__ = [
     "Problem",
     "ReferencePath",
     "branch_joints",
+    "contact_by_currents",
     "plan_path",
     "slip_settings",
     "waypoints",

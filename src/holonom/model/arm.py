@@ -78,6 +78,8 @@ class Motor:
 
     The rotor turns about `axis` (a unit vector) at `position`, both in the frame that carries the joint. `mass` (kg)
     and `transverse_inertia` (about the other two axes) count where the links' do not include the rotors.
+
+    `gear_efficiency`, in (0, 1], is what simulated gears pass on, either way; a controller knows nothing of it.
     """
 
     gear_ratio: float
@@ -92,8 +94,11 @@ class Motor:
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
     mass: float = 0.0
     transverse_inertia: float = 0.0
+    gear_efficiency: float = 1.0
 
     def __post_init__(self) -> None:
+        if not 0.0 < self.gear_efficiency <= 1.0:
+            raise ModelError(f"gear_efficiency is {self.gear_efficiency}; it must be greater than 0 and at most 1")
         if self.axis is not None and not abs(float(np.linalg.norm(self.axis)) - 1.0) < 1e-9:
             raise ModelError(f"motor axis {self.axis} is no unit vector; divide it by its length")
         if not (self.mass >= 0.0 and self.transverse_inertia >= 0.0):

@@ -256,14 +256,20 @@ def joint_motor(joint: Joint) -> DcMotor:
 
 
 def joint_friction(joint: Joint, ratio: float) -> Friction:
-    """The joint's friction at its motor; a negative ratio swaps the directions."""
+    """The joint's friction at its motor; a negative ratio swaps the directions.
+
+    Raises
+    ------
+    ModelError
+        Numbers that cannot be.
+    """
     f = joint.friction
     if f is None:
         return Friction()
     positive, negative = f.coulomb_positive / abs(ratio), f.coulomb_negative / abs(ratio)
     if math.copysign(1.0, ratio) < 0.0:
         positive, negative = negative, positive
-    return Friction(f.viscous / ratio**2, positive, negative)
+    return Friction(f.viscous / ratio**2, positive, negative, f.static_ratio, f.stribeck_speed * abs(ratio))
 
 
 def _axis_limits(model: ArmModel, axis: int, settings: ControlSettings) -> AxisLimits:

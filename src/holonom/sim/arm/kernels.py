@@ -15,7 +15,7 @@ from holonom.arrays import Array
 from holonom.devices.drive_signals import JointSignals
 from holonom.devices.encoders.kernels import encoder_counter
 from holonom.devices.motors.kernels import armature_step
-from holonom.devices.transmission.kernels import gear_torque, stiction_step
+from holonom.devices.transmission.kernels import geared_step
 from holonom.trace.call.pointer import call_kernel
 from holonom.trace.code.loops import loop
 
@@ -66,10 +66,9 @@ def _drive(axis: Any, state: Any, voltage: float) -> None:
     """Armature, motor friction and gear of one step."""
     speed = axis.gear.ratio * state.speed
     state.current = armature_step(axis.armature, state.current, voltage, speed)
-    friction, state.held = stiction_step(axis.friction, state.held, speed)
-    motor = axis.torque_constant * state.current - friction
+    motor = axis.torque_constant * state.current
     state.voltage = voltage
-    state.torque = gear_torque(axis.gear, motor, speed)
+    state.torque, state.held = geared_step(axis.friction, axis.gear, state.held, motor, speed)
     state.peak_voltage = max(state.peak_voltage, abs(voltage))
     state.peak_current = max(state.peak_current, abs(state.current))
     state.peak_torque = max(state.peak_torque, abs(state.torque))

@@ -128,7 +128,7 @@ class ArmPlant:
 def _row(drive: AxisDrive) -> Drive:
     return Drive(
         drive.motor.armature(STEP),
-        drive.friction.stiction(drive.motor.rotor_inertia, STEP),
+        drive.friction.stiction(drive.motor.rotor_inertia, STEP, drive.gear.efficiency),
         drive.gear.params(),
         drive.encoder.params(),
         drive.motor.torque_constant,

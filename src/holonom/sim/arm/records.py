@@ -32,7 +32,7 @@ DRIVE_STATE = np.dtype(
         ("position", np.float64),  # joint, rad
         ("speed", np.float64),  # joint, rad/s
         ("current", np.float64),  # A
-        ("held", np.float64),  # by Coulomb friction, N m at the motor
+        ("held", np.float64),  # by Coulomb friction and the gear's, N m at the motor
         ("voltage", np.float64),  # V
         ("torque", np.float64),  # behind the gear, N m
         ("peak_speed", np.float64),  # largest magnitudes since the start, joint side

@@ -87,11 +87,19 @@ class Axis:
 
     @property
     def known_friction(self) -> Friction:
-        """Friction of motor and load together, at the motor's shaft, which a controller may feed forward."""
+        """Friction of motor and load together, at the motor's shaft, which a controller may feed forward.
+
+        Its static ratio is that of both, weighted by their Coulomb friction, the mean of the two directions.
+        """
         own, ratio, load = self.rubbing, abs(self.gear.ratio), self.load
         coulomb = load.coulomb / ratio
+        both = own.coulomb_positive + own.coulomb_negative
         return Friction(
-            own.viscous + load.viscous / ratio**2, own.coulomb_positive + coulomb, own.coulomb_negative + coulomb
+            own.viscous + load.viscous / ratio**2,
+            own.coulomb_positive + coulomb,
+            own.coulomb_negative + coulomb,
+            1.0 + own.rise * both / (both + 2.0 * coulomb) if both > 0.0 else 1.0,
+            own.stribeck_speed,
         )
 
     @property
@@ -148,6 +156,8 @@ class Axis:
             viscous=rubbing.viscous,
             coulomb_positive=rubbing.coulomb_positive,
             coulomb_negative=rubbing.coulomb_negative,
+            rise=rubbing.rise,
+            per_stribeck=rubbing.per_stribeck,
             load_per_torque=dt / load,
             load_viscous=self.load.viscous / ratio**2,
             load_coulomb=self.load.coulomb / ratio,

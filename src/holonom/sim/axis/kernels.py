@@ -9,7 +9,7 @@ import math
 from typing import NamedTuple
 
 from holonom.devices.motors.kernels import ArmatureParams, armature_step
-from holonom.devices.transmission.kernels import sliding_speed
+from holonom.devices.transmission.kernels import sliding_speed, stribeck
 from holonom.trace.code.loops import loop
 
 __all__ = ["AxisPlantParams", "AxisState", "axis_step"]
@@ -25,6 +25,8 @@ class AxisPlantParams(NamedTuple):
     viscous: float
     coulomb_positive: float
     coulomb_negative: float
+    rise: float  # of Coulomb friction towards rest: `devices.stribeck`
+    per_stribeck: float
     load_per_torque: float
     load_viscous: float
     load_coulomb: float
@@ -62,12 +64,14 @@ def axis_step(
     current = armature_step(p.armature, state.current, voltage, state.speed) if conducts else 0.0
     drive = p.torque_constant * 0.5 * (state.current + current)
     loss = p.lost * abs(state.torque)
+    positive, negative = p.coulomb_positive, p.coulomb_negative
+    if p.rise > 0.0:
+        grown = stribeck(p.rise, p.per_stribeck, state.speed)
+        positive, negative = grown * positive, grown * negative
     if p.rigid:
         rubbing = p.mean * p.load_coulomb + loss + brake
         push = drive - p.mean * load - (p.viscous + p.mean * p.load_viscous) * state.speed
-        speed = sliding_speed(
-            state.speed, push, p.coulomb_positive + rubbing, p.coulomb_negative + rubbing, p.per_torque
-        )
+        speed = sliding_speed(state.speed, push, positive + rubbing, negative + rubbing, p.per_torque)
         carried = load + p.load_viscous * speed + (speed - state.speed) / p.load_per_torque
         if speed != 0.0:
             carried += math.copysign(p.load_coulomb, speed)
@@ -82,7 +86,7 @@ def axis_step(
         torque = min(p.stiffness * (twist + p.half_gap + p.dt * rate) + p.damping * rate, 0.0)
     push = drive - p.mean * torque - p.viscous * state.speed
     rubbing = loss + brake
-    speed = sliding_speed(state.speed, push, p.coulomb_positive + rubbing, p.coulomb_negative + rubbing, p.per_torque)
+    speed = sliding_speed(state.speed, push, positive + rubbing, negative + rubbing, p.per_torque)
     pull = torque - load - p.load_viscous * state.load_speed
     load_speed = sliding_speed(state.load_speed, pull, p.load_coulomb, p.load_coulomb, p.load_per_torque)
     return AxisState(

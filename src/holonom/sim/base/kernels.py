@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from holonom.arrays import Array
 from holonom.devices.motors.kernels import armature_step
+from holonom.devices.transmission.kernels import stribeck
 from holonom.numeric.contact_loads import pushing_loads_at
 from holonom.numeric.small_kernels import solve_positive3, solve_positive4
 from holonom.sim.base.climb_kernels import climb
@@ -225,7 +226,8 @@ def _motor(wheel: Any, own: Any, h: float) -> tuple[Any, Any]:
 @loop(error_model="numpy", fastmath=FLAGS, forceinline=True)
 def _friction(params: Any, own: Any, speed: Any) -> tuple[Any, Any]:
     """Return `devices.stiction_step` and its slope (N m s) at a motor speed; none where it slips."""
-    low, high, winding = -params.coulomb_negative, params.coulomb_positive, params.winding * speed
+    grown, winding = stribeck(params.rise, params.per_stribeck, speed), params.winding * speed
+    low, high = -grown * params.coulomb_negative, grown * params.coulomb_positive
     own.held = min(max(own.held + winding, low), high)
     wanted = own.held + winding
     held = min(max(wanted, low), high)

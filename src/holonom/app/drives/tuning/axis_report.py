@@ -17,7 +17,6 @@ from holonom.arrays import Array
 from holonom.closed_loop.axis import AxisRun
 from holonom.closed_loop.axis_tuning import AxisTuning, try_gains
 from holonom.control import open_loops
-from holonom.devices import Friction
 from holonom.devices.motors.thermal import ThermalModel
 from holonom.plots.axis import draw_bode, draw_spread, draw_steps, draw_torque_speed
 from holonom.sim import Axis
@@ -192,7 +191,10 @@ def _other(axis: Axis, rng: np.random.Generator) -> Axis:
         load=dataclasses.replace(
             load, inertia=load.inertia * t["load inertia"], coulomb=load.coulomb * rub, viscous=load.viscous * rub
         ),
-        friction=Friction(f.viscous * rub, f.coulomb_positive * rub, f.coulomb_negative * rub),
+        friction=dataclasses.replace(
+            f, viscous=f.viscous * rub, coulomb_positive=f.coulomb_positive * rub,
+            coulomb_negative=f.coulomb_negative * rub,
+        ),
     )  # fmt: skip
 
 
