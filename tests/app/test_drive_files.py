@@ -182,7 +182,7 @@ def test_a_cycle_of_samples(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     assert (data["time"], data["peak_speed"], data["peak_torque"]) == (2.0, 2.0, 1.0)
     path = toml(tmp_path, {"cycle": {"samples": rows[::-1]}})
     assert main(["select", str(path)]) == 2
-    assert "duration[0]" in capsys.readouterr().err
+    assert "time[1] is 1 s after 2 s" in capsys.readouterr().err
     for tables, words in (
         ({"cycle": {"inertia": 1.0}}, "no load cycle"),
         ({"": {"angle": 1.0, "time": 1.0, "motors": ["none"]}}, "no motor 'none'"),

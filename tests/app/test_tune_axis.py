@@ -81,9 +81,10 @@ def test_a_sheet_instead_of_a_preset_and_wishes(tmp_path: Path, capsys: pytest.C
     [
         ("[encoder]\ncounts = 2000\n", "", "a table [encoder] is needed to tune an axis"),
         ("inertia = 3e-5", "inertia = -1.0", "inertia"),
+        ("inertia = 3e-5", "inertia = 0", "load.inertia: 0 came; it must be finite and greater than 0 kgm2"),
         ("counts = 2000", "counts = 2000\n[wanted]\nspeed = 1000.0", "48 V give less than 796.02 rad/s"),
         ("counts = 2000", "counts = 2000\n[wanted]\nsped = 10.0", "did you mean 'speed'"),
-        ("counts = 2000", "counts = 2000\n[wanted]\nspeed = -3.0", "-3.0 came; it must be finite and greater than 0 rad/s"),
+        ("counts = 2000", "counts = 2000\n[wanted]\nspeed = -3.0", "wanted.speed: -3.0 came"),
         ("counts = 2000", "counts = 2000\n[sample]\ncurrent = 1e-3", "no loop slower than the one around it"),
         ("maxon_re40_48v", "maxon_re41", "maxon_re40_48v"),
     ],
@@ -102,3 +103,26 @@ def test_what_is_wrong_is_refused(
 def test_a_rule_is_for_a_process(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["tune", toml(tmp_path, AXIS), "--rule", "simc"]) == 2
     assert "rules are for a [process]" in capsys.readouterr().err
+
+
+def test_a_sheet_that_contradicts_itself_is_warned_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """An inertia off by 10, n0 below nN: gains come, and what they stand on is said."""
+    sheet = "U = 18\nR = 3.99\nL = 0.556e-3\nkM = 0.0352\nJ = 45.3e-6\ntau_m = 14.6e-3\nn0 = 3000\nnN = 4000\n"
+    file = toml(tmp_path, AXIS.replace('preset = "maxon_re40_48v"\n', sheet).replace("voltage = 48", "voltage = 18"))
+    named = [w["name"] for w in answer(capsys, "tune", file)["warnings"]]
+    assert {"inertia against tau_m (factor 10)", "n0 below nN"} <= set(named)
+
+
+def test_what_does_not_come_to_rest_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A load that swings far below the speed loop; an encoder with 16 counts."""
+    soft = AXIS.replace("inertia = 3e-5", "inertia = 0.05") + "[gear]\nratio = 50\nstiffness = 5.0\n"
+    data = answer(capsys, "tune", toml(tmp_path, soft))
+    said = {w["name"]: w for w in data["warnings"]}
+    assert {"resonance", "not_settled", "position_ripple"} <= set(said)
+    assert said["resonance"]["wanted"] == pytest.approx(math.sqrt(5.0 / 0.05))
+    assert data["verified"]["settling_time"] is None
+    file = toml(tmp_path, AXIS.replace("2000", "16"))
+    data = answer(capsys, "tune", file, "-o", str(tmp_path / "out"))
+    assert "not_settled" in [w["name"] for w in data["warnings"]]
+    assert main(["tune", file]) == 0
+    assert "does not settle" in capsys.readouterr().out

@@ -152,6 +152,25 @@ def test_no_file_and_no_rule(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert "no rule fits this process with form 'PID'" in capsys.readouterr().err
 
 
+def test_the_ultimate_gain_of_any_process(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Of k/(1 + sT)^3: the phase is -180 deg at sqrt(3)/T, where the size is k/8; two lags never swing."""
+    cube = "[process]\nkind = 'lags'\ngain = 4\nlags = [0.5, 0.5, 0.5]\n"
+    for words in ((), ("--rule", "all")):
+        data = answer(capsys, "tune", toml(tmp_path, cube), *words)
+        assert (data["Ku"], data["Tu"]) == pytest.approx((2.0, 2.0 * np.pi * 0.5 / np.sqrt(3.0)), rel=1e-5)
+    data = answer(capsys, "tune", toml(tmp_path, "[process]\nkind = 'lags'\nlags = [0.5, 0.5]\n"))
+    assert (data["Ku"], data["Tu"]) == (None, None)
+
+
+def test_what_p_needs_on_one_lag(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The guide recommends P there; any gain is stable, so that one has to be asked for."""
+    lag = "[process]\nkind = 'lag_dead_time'\ngain = 2\nlag = 3\n[wanted]\nform = 'P'\n"
+    assert main(["tune", toml(tmp_path, lag)]) == 2
+    assert "P by lambda takes one lag, or an integrator, and closed_lag" in capsys.readouterr().err
+    data = answer(capsys, "tune", toml(tmp_path, lag + "closed_lag = 0.5\n"))
+    assert data["Kc"] == pytest.approx((3.0 / 0.5 - 1.0) / 2.0)
+
+
 def log(path: Path, **columns: Any) -> str:
     np.savetxt(path, np.column_stack(list(columns.values())), delimiter=",", header=",".join(columns), comments="")
     return str(path)
@@ -196,6 +215,7 @@ def test_records_that_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[
     u, y = np.where(t >= 5.0, 1.0, 0.0), -np.expm1(-np.maximum(t - 8.0, 0.0))
     for columns, words, said in (
         ({"time": t, "u": u}, (), "1: columns time, u came; y missing"),
+        ({"t": t, "in": u, "out": y}, (), "1: columns t, in, out came; time, u, y missing"),
         ({"time": t[::-1], "u": u, "y": y}, (), "time must grow"),
         ({"time": t, "u": 0.0 * u, "y": y}, (), "the input never changes"),
         ({"time": t, "u": u, "y": y}, ("--experiment", "relay"), "switches up 1 times"),

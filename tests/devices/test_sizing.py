@@ -61,6 +61,13 @@ def test_samples_make_the_same_cycle() -> None:
     assert sampled.peak_speed == pytest.approx(MOVE.peak_speed, rel=1e-4)
 
 
+def test_a_peak_of_one_sample_is_not_averaged_away() -> None:
+    cycle = LoadCycle.sampled([0.0, 1.0, 3.0], [0.0, 2.0, 0.0], [1.0, -3.0, 0.0])
+    assert (cycle.time, cycle.peak_torque, cycle.peak_speed) == (3.0, 3.0, 2.0)
+    assert cycle.rms_torque == pytest.approx(np.sqrt((0.5 * 1.0 + 1.5 * 9.0) / 3.0))
+    assert cycle.acceleration == pytest.approx([2.0, 2.0, -1.0, -1.0])
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_a_choice_is_what_an_independent_run_of_the_motor_takes(seed: int) -> None:
     """Currents and voltages by finely stepping the move and the power balance of motor, gear and load."""
@@ -127,7 +134,7 @@ def test_what_is_not_known_is_not_taken_and_a_gear_has_its_limit() -> None:
 
 
 def test_bad_cycles_are_refused() -> None:
-    with pytest.raises(ModelError, match=r"duration\[1\]"):
+    with pytest.raises(ModelError, match=r"time\[2\] is 1 s after 1 s"):
         LoadCycle.sampled([0.0, 1.0, 1.0], [0.0, 1.0, 2.0], [0.0, 1.0, 2.0])
     with pytest.raises(ShapeError, match="two at least"):
         LoadCycle.sampled([0.0], [0.0], [0.0])

@@ -77,7 +77,7 @@ class Verified:
     Attributes
     ----------
     overshoot_percent, settling_time, end_error
-        Of the step: percent, s to 2 %, rad at the joint.
+        Of the step: percent, s to 2 % (infinite where it is not within that at the end), rad at the joint.
     following_error
         Largest of a move over the step with the wanted speed and acceleration, derivatives fed forward, rad.
     peak_current, peak_voltage
@@ -166,6 +166,7 @@ def tune_axis(
         *gains.warnings,
         *stopped,
         *_encoder_warnings(axis, gains),
+        *_restless(axis, wanted.step, gains, verified),
         *_unmet(wanted, verified),
         *_hot(verified, thermal),
     )
@@ -260,7 +261,7 @@ def _verified(size: float, step: AxisRun, move: AxisRun, thermal: ThermalModel |
             temperature = math.inf
     return Verified(
         overshoot_percent=100.0 * max(float(step.position.max()) / size - 1.0, 0.0),
-        settling_time=float(step.time[outside[-1]] if len(outside) else 0.0),
+        settling_time=_settling(step.time, outside),
         end_error=float(abs(step.position[-1] - size)),
         following_error=float(np.abs(move.position - move.reference).max()),
         peak_current=float(np.abs(move.current).max()),
@@ -268,6 +269,33 @@ def _verified(size: float, step: AxisRun, move: AxisRun, thermal: ThermalModel |
         winding_temperature=temperature,
         position_ripple=float(np.ptp(at_rest)),
     )
+
+
+def _settling(time: Array, outside: Array) -> float:
+    """Time of the last sample outside of the band, s; infinite where that is the last one of all."""
+    if not len(outside):
+        return 0.0
+    return math.inf if outside[-1] == len(time) - 1 else float(time[outside[-1]])
+
+
+def _restless(axis: Axis, size: float, gains: CascadeGains, verified: Verified) -> list[DesignWarning]:
+    """What a simulation shows of a step that does not come to rest, and a resonance within the speed loop."""
+    found, band = [], SETTLED * size
+    if math.isinf(verified.settling_time):
+        text = f"a step of {size:g} rad ends {verified.end_error:.4g} rad off; {band:.4g} rad count as settled"
+        found.append(DesignWarning("not_settled", text, verified.end_error, band))
+    if verified.position_ripple > band:
+        text = f"after a step of {size:g} rad it swings by {verified.position_ripple:.4g} rad; up to {band:.4g} rad is rest"
+        found.append(DesignWarning("position_ripple", text, verified.position_ripple, band))
+    crossing, swings = gains.speed_margin.crossover, math.sqrt(axis.stiffness / axis.load.inertia)
+    if crossing > swings:
+        text = (
+            f"with the motor held, the load swings at {swings:.4g} rad/s; the speed loop crosses at {crossing:.4g} rad/s, "
+            f"and its margin is that of a stiff axis: {axis.load.inertia * crossing**2:.4g} N m/rad are needed, or a "
+            "slower loop (longer sample times)"
+        )
+        found.append(DesignWarning("resonance", text, crossing, swings))
+    return found
 
 
 def _encoder_warnings(axis: Axis, gains: CascadeGains) -> list[DesignWarning]:

@@ -116,8 +116,8 @@ def _load(axis: AxisFile, motor: DcMotor) -> Iterator[Finding]:
         if needed >= most:
             text = f"friction takes {needed:.4g} N m at the motor, which makes {most:.4g} N m at most: it does not move"
             yield Finding("friction above the torque", CONTRADICTION, text, needed, most)
-        part = load.inertia / ratio**2 / motor.rotor_inertia
-        if part > UNEVEN:
+        part = (load.inertia or 0.0) / ratio**2 / motor.rotor_inertia
+        if load.inertia is not None and part > UNEVEN:
             best = best_ratio(motor.rotor_inertia, load.inertia)
             text = (
                 f"the load's inertia is {part:.4g} times the rotor's at the motor; with a ratio of {best:.4g} it would "

@@ -50,8 +50,8 @@ class GearTable(Section):
 class LoadTable(Section):
     """What is moved."""
 
-    inertia: Annotated[float, PlainOrQuantity("kg m2", least=0.0)] = 0.0
-    """of the load, at its own shaft"""
+    inertia: Annotated[float | None, PlainOrQuantity("kg m2", above=0.0)] = None
+    """of the load, at its own shaft; none unless given"""
     coulomb: Annotated[float, PlainOrQuantity("N m", least=0.0)] = 0.0
     """friction"""
     viscous: Annotated[float, PlainOrQuantity("N m s/rad", least=0.0)] = 0.0

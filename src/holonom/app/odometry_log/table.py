@@ -105,7 +105,7 @@ def read_table(
     values = _numbers(path, rows, lines, names, kept, may, mark)
     ignored = tuple(name for k, name in enumerate(names) if k not in kept)
     table = Table(path, tuple(names[k] for k in kept), values, lines, tuple(k + 1 for k in kept), ignored)
-    bad = np.argwhere(~np.isfinite(values) & ~(np.isnan(values) & np.array(may)))
+    bad = np.argwhere(~np.isfinite(values) & ~(np.isnan(values) & np.array(may, dtype=bool)))
     if len(bad):
         row, column = bad[0]
         table.fault(

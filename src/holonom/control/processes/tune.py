@@ -42,7 +42,7 @@ def default_rule(process: Process, form: str | None = None, settings: Mapping[st
                 return rule
         except InputError:
             continue
-    return next(iter(RULES.own)) if len(process.den) == 1 else "simc"
+    return next(iter(RULES.own)) if len(process.den) == 1 else "lambda" if form == "P" else "simc"
 
 
 def _form(process: Process, form: str | None) -> str:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from holonom.arrays import is_number
 from holonom.errors import OutOfLimits
 from holonom.registry import check_fields, parameter
 
@@ -88,6 +89,6 @@ def sample_time(dt: float) -> float:
     OutOfLimits
         It is not finite and positive.
     """
-    if not 0.0 < dt < math.inf:
+    if not is_number(dt) or not 0.0 < dt < math.inf:
         raise OutOfLimits(f"dt is {dt!r}; a sample time must be finite and greater than 0 s")
     return float(dt)

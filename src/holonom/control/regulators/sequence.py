@@ -90,9 +90,10 @@ def respond(
 
 
 def _limits(limits: tuple[float, float], switches: bool) -> tuple[float, float]:
-    if len(limits) != 2 or not limits[0] < limits[1]:
+    pair = np.ravel(real_array("limits", limits))
+    if len(pair) != 2 or not pair[0] < pair[1]:
         raise OutOfLimits(f"limits are {limits!r}; the lowest and the highest output are needed, in this order")
-    low, high = float(limits[0]), float(limits[1])
+    low, high = float(pair[0]), float(pair[1])
     if switches and not (math.isfinite(low) and math.isfinite(high)):
         raise OutOfLimits(f"limits are {limits!r}; a regulator that switches needs finite ones")
     return low, high

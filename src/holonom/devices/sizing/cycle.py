@@ -99,13 +99,19 @@ class LoadCycle:
 
     @classmethod
     def sampled(cls, time: ArrayLike, speed: ArrayLike, torque: ArrayLike, *, inertia: float = 0.0) -> Self:
-        """Of samples: time (s, increasing), speed (rad/s) and torque (N m), (n,) each; torque between is the mean."""
+        """Of samples: time (s, increasing), speed (rad/s) and torque (N m), (n,) each; torque is held to halfway."""
         at = finite_array("time", time, ["n"])
         speeds = finite_array("speed", speed, (at.size,))
         torques = finite_array("torque", torque, (at.size,))
         if at.size < 2:
             raise ShapeError(f"time has {at.size} samples; two at least are needed")
-        return cls(np.diff(at), speeds[:-1], speeds[1:], 0.5 * (torques[1:] + torques[:-1]), inertia)
+        if np.any(np.diff(at) <= 0.0):
+            k = int(np.argmax(np.diff(at) <= 0.0)) + 1
+            raise ModelError(f"LoadCycle: time[{k}] is {at[k]:g} s after {at[k - 1]:g} s; times must increase")
+        halves, middle = np.repeat(0.5 * np.diff(at), 2), 0.5 * (speeds[1:] + speeds[:-1])
+        start, end = np.column_stack((speeds[:-1], middle)), np.column_stack((middle, speeds[1:]))
+        held = np.column_stack((torques[:-1], torques[1:]))
+        return cls(halves, start.ravel(), end.ravel(), held.ravel(), inertia)
 
     @property
     def time(self) -> float:

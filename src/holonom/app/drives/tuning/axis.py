@@ -15,7 +15,8 @@ from holonom.app.drives.files import AxisFile, read_axis
 from holonom.app.drives.tuning.tables import TuningFile
 from holonom.closed_loop.axis_tuning import AxisLoop, AxisTuning, WantedAxis, tune_axis
 from holonom.control import SampleTimes
-from holonom.devices import Encoder, Gear
+from holonom.devices import Encoder, Gear, check_sheet
+from holonom.devices.motors.sheet_check import CONTRADICTION, WARNING
 from holonom.devices.motors.thermal import ThermalModel
 from holonom.errors import InputError, ModelError, UnknownName
 from holonom.registry import Field, parameters_of
@@ -119,8 +120,21 @@ def _data(read: AxisFile, found: AxisTuning) -> dict[str, Any]:
         "motor": {"name": read.motor.title, "source": read.motor.source, **shown},
         "loops": {name: _loop(loop) for name, loop in found.loops.items()},
         "verified": {key: _finite(value) for key, value in asdict(found.verified).items()},
-        "warnings": [asdict(warning) for warning in found.warnings],
+        "warnings": [*_contradictions(read), *(_plain(asdict(warning)) for warning in found.warnings)],
     }
+
+
+def _contradictions(read: AxisFile) -> list[dict[str, Any]]:
+    """What the motor's sheet says against itself: these gains are only as good as it is."""
+    return [
+        {"name": f.name, "text": f"the motor's sheet: {f.text}", "value": f.printed, "wanted": f.expected}
+        for f in check_sheet(read.motor.sheet).findings
+        if f.level in (CONTRADICTION, WARNING)
+    ]
+
+
+def _plain(warning: dict[str, Any]) -> dict[str, Any]:
+    return {key: _finite(value) if isinstance(value, float) else value for key, value in warning.items()}
 
 
 def _loop(loop: AxisLoop) -> dict[str, Any]:
@@ -135,6 +149,10 @@ def _loop(loop: AxisLoop) -> dict[str, Any]:
         "gain_margin": _finite(margin.gain_margin),
         "delay": loop.delay,
     }
+
+
+def _settles(time: float | None) -> str:
+    return "does not settle" if time is None else f"settles in {1e3 * time:.4g} ms"
 
 
 def _finite(value: float | None) -> float | None:
@@ -154,7 +172,7 @@ def _text(read: AxisFile, data: Mapping[str, Any]) -> str:
     v = data["verified"]
     hot = v["winding_temperature"]
     lines += [
-        f"step      overshoot {v['overshoot_percent']:.2g} %, settles in {1e3 * v['settling_time']:.4g} ms, ripple "
+        f"step      overshoot {v['overshoot_percent']:.2g} %, {_settles(v['settling_time'])}, ripple "
         f"{v['position_ripple']:.2g} rad",
         f"move      follows within {v['following_error']:.3g} rad with {v['peak_current']:.4g} A and "
         f"{v['peak_voltage']:.4g} V"

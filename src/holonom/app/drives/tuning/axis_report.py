@@ -109,7 +109,7 @@ def _shown(data: Mapping[str, Any]) -> dict[str, str]:
     hot = v["winding_temperature"]
     return {
         "overshoot": f"{v['overshoot_percent']:.2g} %",
-        "settles to 2 % in": f"{1e3 * v['settling_time']:.4g} ms",
+        "settles to 2 % in": "not at all" if v["settling_time"] is None else f"{1e3 * v['settling_time']:.4g} ms",
         "ripple at rest": f"{v['position_ripple']:.2g} rad",
         "a move is followed within": f"{v['following_error']:.3g} rad",
         "its current and voltage": f"{v['peak_current']:.4g} A, {v['peak_voltage']:.4g} V",
@@ -171,7 +171,7 @@ def _spread(found: AxisTuning) -> dict[str, Array]:
     """Overshoot, settling time and following error of axes that differ from their sheets."""
     rng = np.random.default_rng(0)
     rows = [
-        (v.overshoot_percent, 1e3 * v.settling_time, 1e3 * v.following_error)
+        (v.overshoot_percent, 1e3 * min(v.settling_time, found.step.time[-1]), 1e3 * v.following_error)
         for v in (try_gains(found, _other(found.axis, rng)) for _ in range(RUNS))
     ]
     names = ("overshoot (%)", "settles in (ms)", "follows within (mrad)")

@@ -24,6 +24,7 @@ from holonom.control.processes import (
     open_loop,
     recommend,
     tune_process,
+    ultimate_gain,
 )
 from holonom.control.processes.contract import FORMS
 from holonom.control.processes.guide import DISTURBANCES
@@ -81,10 +82,19 @@ def tune_process_file(file: TuningFile, rule: str | None = None, output: Path | 
     else:
         found = _one(file, process, rule, wanted)
         data = found.data()
-    data |= {"guide": guide}
+    data |= _ultimate(process) | {"guide": guide}
     if output is not None:
         _write(prepare_output(output), data, found)
     return Answer(_text(data), data)
+
+
+def _ultimate(process: Process) -> dict[str, float | None]:
+    """Gain with which P alone makes it swing, and the period, s; None where no gain does."""
+    try:
+        Ku, Tu = ultimate_gain(process)
+    except OutOfLimits:
+        return {"Ku": None, "Tu": None}
+    return {"Ku": Ku, "Tu": Tu}
 
 
 def _process(file: TuningFile) -> Process:
