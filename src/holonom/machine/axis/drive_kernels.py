@@ -10,7 +10,8 @@ Signals come in, a voltage, a brake and the power stage's enable go out; the pla
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import functools
+from typing import Any, NamedTuple
 
 from holonom.arrays import Array
 from holonom.control.servo.kernels import LimitParams, axis_violation
@@ -31,7 +32,6 @@ from holonom.machine.axis.kernels import (
     POSITION_LOOP,
     AxisServoParams,
     AxisServoState,
-    axis_servo_step,
     current_only,
     powered,
     standing,
@@ -52,7 +52,7 @@ __all__ = [
     "AxisSignals",
     "CheckParams",
     "StopParams",
-    "drive_step",
+    "drive_step_of",
 ]
 
 OFF, CHECKING, RELEASING, RUNNING, SLOWING, CLOSING, HOLDING, BLIND = 0, 1, 2, 3, 4, 5, 6, 7
@@ -72,7 +72,8 @@ class AxisSignals(NamedTuple):
     """What the drive reads.
 
     Count, edges of A and B, index pulses and the count at the last one since power-on; the receivers' word and the
-    frame's checksum (0: well); A; the supply, V; the potentiometer, rad at the motor.
+    frame's checksum (0: well); A; the supply, V; the potentiometer, rad at the motor; counts of the load's encoder; the
+    tachometer, rad/s.
     """
 
     counts: int
@@ -85,6 +86,8 @@ class AxisSignals(NamedTuple):
     current: float
     supply: float
     potentiometer: float
+    load_counts: int
+    tachometer: float
 
 
 class CheckParams(NamedTuple):
@@ -122,7 +125,7 @@ class StopParams(NamedTuple):
 
 
 class AxisDriveParams(NamedTuple):
-    """Params of `drive_step`. `hold` is the current (A) that the model says carries the load at rest."""
+    """Params of a drive's step. `hold` is the current (A) that the model says carries the load at rest."""
 
     servo: AxisServoParams
     watch: DriveWatchParams
@@ -179,54 +182,6 @@ class AxisDriveState(NamedTuple):
 
 
 @loop(error_model="numpy", forceinline=True)
-def drive_step(
-    params: AxisDriveParams, state: AxisDriveState, k: int, seen: AxisSignals, reference: Array, asked: int
-) -> AxisDriveState:
-    """One step of the current loop; `servo.voltage`, `brake` and `power` of what comes back act until the next one.
-
-    Parameters
-    ----------
-    params, state
-        Of this drive.
-    k
-        Steps before.
-    seen
-        What is measured.
-    reference
-        (3, n) at the motor, a sample each of the position loop: position, speed, acceleration; or, by the outermost
-        loop, speeds, currents.
-    asked
-        Category of the stop that is asked for, `NONE` without.
-    """
-    p, s = params, state
-    current = seen.current - s.zero
-    found, looked = _look(p, s, k, seen, current, reference)
-    watch, index, voltages, currents, usual = looked
-    phase, zero, checked, checked_count, held = s.phase, s.zero, s.checked, s.checked_count, s.held
-    if phase == CHECKING:
-        phase, found, zero, checked, checked_count = _check(p.check, s, seen, current)
-        held = s.servo.angle
-        if phase == RELEASING:  # the shaft stands: all of the voltage is the resistance's
-            watch = unsuspecting(watch, s.servo.voltage / current)
-    phase, category = _react(phase, s.category, found, asked)
-    steps = s.steps + 1 if phase == s.phase else 0
-    phase = _goes_on(p.stop, phase, steps, s.rate, category, abs(watch.emf) - watch.allowed)
-    steps = steps if phase == s.phase else 0
-    servo = _act(p, s, phase, steps, k, seen.counts, current, watch.emf, reference)
-    place, rate = s.place, s.rate
-    if k % p.servo.position_samples == p.servo.position_samples - 1:
-        rate = 1.0 if phase == RUNNING else max(rate - p.stop.slowing, 0.0) if phase == SLOWING else 0.0
-        place = min(place + rate, reference.shape[1] - 1.0)
-    named = found if found != UNSURE else 0
-    brake = 1 if phase in (OFF, CHECKING, CLOSING, BLIND) else 0
-    power = 0 if phase == OFF or (phase == CHECKING and steps < p.check.zero_steps) else 1
-    return AxisDriveState(
-        servo, watch, index, phase, steps, place, rate, held, category, voltages, currents, usual, zero, checked,
-        checked_count, brake, power, s.found | (1 << named if named != 0 else 0), s.first if s.first != 0 else named,
-    )  # fmt: skip
-
-
-@loop(error_model="numpy", forceinline=True)
 def _look(
     params: AxisDriveParams, state: AxisDriveState, k: int, seen: AxisSignals, current: float, reference: Array
 ) -> tuple[int, tuple[DriveWatchState, IndexState, float, float, float]]:
@@ -263,34 +218,6 @@ def _react(phase: int, category: int, found: int, asked: int) -> tuple[int, int]
     if asked != NONE and phase in (RUNNING, HOLDING, RELEASING):
         phase, category = (OFF if asked == 0 else SLOWING), asked
     return phase, category
-
-
-@loop(error_model="numpy", forceinline=True)
-def _act(
-    params: AxisDriveParams, state: AxisDriveState, phase: int, steps: int, k: int, count: int, current: float,
-    emf: float, reference: Array,
-) -> AxisServoState:  # fmt: skip
-    """The loops in a phase."""
-    p, s = params, state
-    if phase == OFF or (phase == CHECKING and steps < p.check.zero_steps):
-        return standing(p.servo, s.servo, count)
-    if phase == CHECKING:
-        second = steps >= p.check.zero_steps + p.check.torque_steps // 2
-        return current_only(p.servo, s.servo, -p.check.current if second else p.check.current, current)
-    if phase == BLIND:
-        most, brakes = p.watch.max_current, s.usual - p.stop.emf_gain * emf
-        return current_only(p.servo, s.servo, min(max(brakes, -most), most), current)
-    if phase == RELEASING:
-        servo = powered(s.servo, p.hold) if steps == 0 else s.servo
-        return axis_servo_step(p.servo, servo, k, count, current, s.held, 0.0, 0.0)
-    r = _at(reference, s.place, 0)
-    v = s.rate * _at(reference, s.place + p.servo.speed_lead, 1)
-    a = s.rate * s.rate * _at(reference, s.place + p.servo.acceleration_lead, 2)
-    if p.servo.outer != POSITION_LOOP:
-        r, v, a = s.rate * r, s.rate * r, v
-    if phase == SLOWING:
-        a -= p.stop.slowing * p.stop.samples * v
-    return axis_servo_step(p.servo, s.servo, k, count, current, r, v, a)
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -351,3 +278,95 @@ def _check(
         if abs(seen.counts - s.checked_count) > check.turns:
             return OFF, BRAKE, s.zero, 0.0, s.checked_count
     return (RELEASING if tested >= check.torque_steps else CHECKING), 0, s.zero, 0.0, s.checked_count
+
+
+@functools.cache
+def _act_of(servo_step: Any) -> Any:
+    """The loops in a phase, around the step of a servo."""
+
+    @loop(error_model="numpy", forceinline=True)
+    def act(
+        params: AxisDriveParams, state: AxisDriveState, phase: int, steps: int, k: int, seen: AxisSignals,
+        current: float, emf: float, reference: Array,
+    ) -> AxisServoState:  # fmt: skip
+        """The loops in a phase."""
+        p, s = params, state
+        if phase == OFF or (phase == CHECKING and steps < p.check.zero_steps):
+            return standing(p.servo, s.servo, seen.counts)
+        if phase == CHECKING:
+            second = steps >= p.check.zero_steps + p.check.torque_steps // 2
+            return current_only(p.servo, s.servo, -p.check.current if second else p.check.current, current)
+        if phase == BLIND:
+            most, brakes = p.watch.max_current, s.usual - p.stop.emf_gain * emf
+            return current_only(p.servo, s.servo, min(max(brakes, -most), most), current)
+        if phase == RELEASING:
+            servo = powered(s.servo, p.hold) if steps == 0 else s.servo
+            return servo_step(
+                p.servo, servo, k, seen.counts, current, s.held, 0.0, 0.0, seen.load_counts, seen.tachometer
+            )
+        r = _at(reference, s.place, 0)
+        v = s.rate * _at(reference, s.place + p.servo.speed_lead, 1)
+        a = s.rate * s.rate * _at(reference, s.place + p.servo.acceleration_lead, 2)
+        if p.servo.outer != POSITION_LOOP:
+            r, v, a = s.rate * r, s.rate * r, v
+        if phase == SLOWING:
+            a -= p.stop.slowing * p.stop.samples * v
+        return servo_step(p.servo, s.servo, k, seen.counts, current, r, v, a, seen.load_counts, seen.tachometer)
+
+    return act
+
+
+@functools.cache
+def drive_step_of(servo_step: Any) -> Any:
+    """The compiled step of a drive around `axis_servo_step`, or that of another servo."""
+    act = _act_of(servo_step)
+
+    @loop(error_model="numpy", forceinline=True)
+    def drive_step(
+        params: AxisDriveParams, state: AxisDriveState, k: int, seen: AxisSignals, reference: Array, asked: int
+    ) -> AxisDriveState:
+        """One step of the current loop; `servo.voltage`, `brake` and `power` of what comes back act until the next one.
+
+        Parameters
+        ----------
+        params, state
+            Of this drive.
+        k
+            Steps before.
+        seen
+            What is measured.
+        reference
+            (3, n) at the motor, a sample each of the position loop: position, speed, acceleration; or, by the outermost
+            loop, speeds, currents.
+        asked
+            Category of the stop that is asked for, `NONE` without.
+        """
+        p, s = params, state
+        current = seen.current - s.zero
+        found, looked = _look(p, s, k, seen, current, reference)
+        watch, index, voltages, currents, usual = looked
+        phase, zero, checked, checked_count, held = s.phase, s.zero, s.checked, s.checked_count, s.held
+        if phase == CHECKING:
+            phase, found, zero, checked, checked_count = _check(p.check, s, seen, current)
+            held = s.servo.angle
+            if phase == RELEASING:  # the shaft stands: all of the voltage is the resistance's
+                watch = unsuspecting(watch, s.servo.voltage / current)
+        phase, category = _react(phase, s.category, found, asked)
+        steps = s.steps + 1 if phase == s.phase else 0
+        phase = _goes_on(p.stop, phase, steps, s.rate, category, abs(watch.emf) - watch.allowed)
+        steps = steps if phase == s.phase else 0
+        servo = act(p, s, phase, steps, k, seen, current, watch.emf, reference)
+        place, rate = s.place, s.rate
+        if k % p.servo.position_samples == p.servo.position_samples - 1:
+            rate = 1.0 if phase == RUNNING else max(rate - p.stop.slowing, 0.0) if phase == SLOWING else 0.0
+            place = min(place + rate, reference.shape[1] - 1.0)
+        named = found if found != UNSURE else 0
+        brake = 1 if phase in (OFF, CHECKING, CLOSING, BLIND) else 0
+        power = 0 if phase == OFF or (phase == CHECKING and steps < p.check.zero_steps) else 1
+        return AxisDriveState(
+            servo, watch, index, phase, steps, place, rate, held, category, voltages, currents, usual, zero, checked,
+            checked_count, brake, power, s.found | (1 << named if named != 0 else 0),
+            s.first if s.first != 0 else named,
+        )  # fmt: skip
+
+    return drive_step

@@ -6,7 +6,7 @@ of its samples later, as in a digital drive: with the hold that is the delay of 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from holonom.control.servo.kernels import (
     CurrentParams,
@@ -58,12 +58,16 @@ class AxisServoParams(NamedTuple):
     speed_lead: float  # samples of the position loop, by which what is fed forward comes ahead of the loops' delays
     acceleration_lead: float
     following: float  # part by which the reference of a speed loop is followed each of its samples, 1: at once
+    load_encoder: EncoderParams  # of the load, at the motor
+    law: Any  # () of the default cascade, or `LawParams`
+    law_start: Any  # () or `LawState`
 
 
 class AxisServoState(NamedTuple):
     """What it remembers.
 
-    `offset` is the homed count where the counter is at zero; `next_` is computed and waits for its sample.
+    `offset` is the homed count where the counter is at zero; `next_` is computed and waits for its sample; `law` is ()
+    of the default cascade, or a `LawState`.
     """
 
     offset: int
@@ -79,6 +83,7 @@ class AxisServoState(NamedTuple):
     next_speed: float
     next_current: float
     next_voltage: float
+    law: Any
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -91,6 +96,8 @@ def axis_servo_step(
     reference: float,
     speed: float,
     acceleration: float,
+    load_count: int,
+    tachometer: float,
 ) -> AxisServoState:
     """One step of the current loop: `voltage` of the state that comes back acts until the next one.
 
@@ -104,6 +111,8 @@ def axis_servo_step(
         What is measured: the counter since power-on; A.
     reference, speed, acceleration
         Of the outermost loop, and what is fed forward: rad/s and rad/s2 at the motor.
+    load_count, tachometer
+        Of the load's encoder; rad/s: for other servos, see `law_servo_step`.
     """
     p, s = params, state
     counts, angle, rate, load = s.counts, s.angle, s.rate, s.load
@@ -133,7 +142,7 @@ def axis_servo_step(
     next_voltage, current_integral = current_step(p.current, s.current_integral, current_reference, current, rate)
     return AxisServoState(
         s.offset, counts, angle, rate, load, current_integral, speed_integral, speed_reference, current_reference,
-        voltage, next_speed, next_current, next_voltage,
+        voltage, next_speed, next_current, next_voltage, s.law,
     )  # fmt: skip
 
 
@@ -143,8 +152,9 @@ def current_only(params: AxisServoParams, state: AxisServoState, asked: float, c
     s = state
     next_voltage, integral = current_step(params.current, s.current_integral, asked, current, 0.0)
     return AxisServoState(
-        s.offset, s.counts, s.angle, 0.0, 0.0, integral, 0.0, 0.0, asked, s.next_voltage, 0.0, asked, next_voltage
-    )
+        s.offset, s.counts, s.angle, 0.0, 0.0, integral, 0.0, 0.0, asked, s.next_voltage, 0.0, asked, next_voltage,
+        params.law_start,
+    )  # fmt: skip
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -152,11 +162,13 @@ def standing(params: AxisServoParams, state: AxisServoState, count: int) -> Axis
     """The servo of an axis without power: it knows where the shaft is, and nothing else."""
     counts = state.offset + count
     angle = count_angle(params.encoder, counts)
-    return AxisServoState(state.offset, counts, angle, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return AxisServoState(
+        state.offset, counts, angle, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, params.law_start
+    )
 
 
 @loop(error_model="numpy", forceinline=True)
 def powered(state: AxisServoState, hold: float) -> AxisServoState:
     """The servo of an axis that is switched on where it stands: its speed loop begins with a current (A), bumpless."""
     s = state
-    return AxisServoState(s.offset, s.counts, s.angle, 0.0, 0.0, 0.0, hold, 0.0, hold, 0.0, 0.0, hold, 0.0)
+    return AxisServoState(s.offset, s.counts, s.angle, 0.0, 0.0, 0.0, hold, 0.0, hold, 0.0, 0.0, hold, 0.0, s.law)
