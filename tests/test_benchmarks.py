@@ -29,6 +29,7 @@ def test_every_benchmark_runs(tmp_path, capsys):
         "one call, Puma, kernel.single",
         "two threads",
         "six axes",
+        "axis at 10 kHz",
     ):
         assert verb in names
     assert all(f["ours"] > 0.0 for f in figures)

@@ -16,7 +16,7 @@ from holonom.devices import DcMotor, Encoder, Friction, Gear, PotentiometerHomin
 from holonom.devices.power.brake import Brake
 from holonom.errors import OutOfLimits
 from holonom.machine.axis.drive import DriveSettings
-from holonom.machine.axis.drive_kernels import CLOSING, HOLDING, HOMING, OFF, RUNNING
+from holonom.machine.axis.drive_records import CLOSING, HOLDING, HOMING, OFF, RUNNING
 from holonom.sim import Axis, Load, simulate_axis
 
 WEIGHT = -46.0  # N m: it would fall in the positive direction

@@ -12,14 +12,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from holonom.arrays import Array
 from holonom.closed_loop.axis_faults import AxisFault, faults_of
-from holonom.closed_loop.axis_kernels import ROWS, Plant, run_axis
-from holonom.control import CascadeGains
+from holonom.closed_loop.axis_kernels import ROWS, Plant, axis_runner
+from holonom.control import CascadeGains, ServoGains
 from holonom.control.servo.causes import Cause
 from holonom.devices.encoders.quadrature.encoder import QuadratureEncoder
 from holonom.devices.power.brake import BrakeState
 from holonom.errors import OutOfLimits, ShapeError
 from holonom.machine.axis.drive import OUTER, DriveSettings, drive_params, drive_start
-from holonom.machine.axis.drive_kernels import NONE
+from holonom.machine.axis.drive_records import NONE
+from holonom.machine.axis.kernels import axis_servo_step
+from holonom.machine.axis.law_kernels import law_servo_step
 from holonom.sim.axis.axis import Axis
 
 __all__ = ["AxisEvent", "AxisRun", "simulate_axis"]
@@ -56,7 +58,7 @@ class AxisRun:
     square_current
         Mean of the squared current over each sample, A2.
     phase
-        Of the drive: `machine.axis.drive_kernels`, OFF 0, CHECKING 1, RELEASING 2, RUNNING 3, SLOWING 4, CLOSING 5,
+        Of the drive: `machine.axis.drive_records`, OFF 0, CHECKING 1, RELEASING 2, RUNNING 3, SLOWING 4, CLOSING 5,
         HOLDING 6, BLIND 7, HOMING 8.
     events
         What the drive found, the first cause before what follows from it.
@@ -81,7 +83,7 @@ class AxisRun:
 
 def simulate_axis(
     axis: Axis,
-    gains: CascadeGains,
+    gains: CascadeGains | ServoGains,
     reference: ArrayLike,
     *,
     loop: Literal["position", "speed", "current"] = "position",
@@ -98,7 +100,7 @@ def simulate_axis(
     Parameters
     ----------
     axis, gains
-        What is moved, and gains of `design_cascade`; their sample times are those of the simulation.
+        What is moved, and gains of a servo (`SERVOS`); their sample times are those of the simulation.
     reference
         (n,) or (3, n) with two derivatives, a sample each of the position loop: rad, rad/s of the joint or A.
     loop, feed_forward
@@ -115,7 +117,7 @@ def simulate_axis(
     ShapeError
         A reference or a load of another shape, or not finite.
     OutOfLimits
-        A loop that there is not, sample times that are no multiples, counts per turn that are no multiple of four.
+        A loop that the servo has not, sample times that are no multiples, counts per turn that are none of four.
     """
     if loop not in OUTER:
         raise OutOfLimits(f"simulate_axis: loop is {loop!r}; it must be one of {', '.join(OUTER)}")
@@ -132,7 +134,7 @@ def simulate_axis(
     goes_on = stop is not None or broken or drive.start == "off"
     ticks = n + (round(LONGEST_STOP / gains.times.position) if goes_on else 0)
     log, events = np.empty((ROWS, ticks)), np.zeros((16, 2), dtype=np.int64)
-    many = run_axis(
+    many = axis_runner(law_servo_step if isinstance(gains, ServoGains) else axis_servo_step)(
         plant, params, axis.at(start), QuadratureEncoder(plant.encoder.quarters_per_rev // 4).start(ratio * start),
         BrakeState(1 if drive.start == "off" else 0, 0),
         drive_start(params, drive, math.floor(ratio * start / axis.encoder.resolution)),
@@ -173,7 +175,8 @@ def _plant(axis: Axis, drive: DriveSettings, faults: tuple[AxisFault, ...], dt: 
             encoder = QuadratureEncoder(round(fault.value / 4))
         if fault.kind == "brake_slips":
             brake = brake._replace(torque=fault.value)
-    return Plant(axis.plant(dt), encoder.params(), brake, faults_of(faults, axis.motor.max_voltage, dt))
+    per_rad = axis.servo_axis().load_counts / (2.0 * math.pi)
+    return Plant(axis.plant(dt), encoder.params(), per_rad, brake, faults_of(faults, axis.motor.max_voltage, dt))
 
 
 def _encoder(axis: Axis) -> QuadratureEncoder:

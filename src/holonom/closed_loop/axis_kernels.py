@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import functools
+import math
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,15 +18,20 @@ from holonom.devices.encoders.quadrature.kernels import (
     quadrature_step,
 )
 from holonom.devices.power.brake import BrakeParams, BrakeState, brake_step
-from holonom.machine.axis.drive_kernels import NONE, AxisDriveParams, AxisDriveState, AxisSignals, drive_step
+from holonom.machine.axis.drive_kernels import drive_step_of
+from holonom.machine.axis.drive_records import NONE, AxisDriveParams, AxisDriveState, AxisSignals
 from holonom.sim.axis.kernels import AxisPlantParams, AxisState, axis_step
 from holonom.trace.code.loops import loop
 
-__all__ = ["ROWS", "AxisFaults", "Plant", "run_axis"]
+__all__ = ["ROWS", "AxisFaults", "Plant", "axis_runner"]
 
 JAMMED = 1e9  # N m, of a shaft that nothing turns
 ROWS = 13
-"""Rows of the log."""
+"""Rows of the log, at the motor shaft.
+
+Load angle, motor angle, load speed, motor speed, current, voltage, current reference, speed reference, mean of the
+squared current, estimated speed, phase, place on the path, estimated angle.
+"""
 
 
 class AxisFaults(NamedTuple):
@@ -50,65 +57,9 @@ class Plant(NamedTuple):
 
     axis: AxisPlantParams
     encoder: QuadratureParams
+    load_counts_per_rad: float  # of the load's encoder, at the motor
     brake: BrakeParams
     faults: AxisFaults
-
-
-@loop(error_model="numpy")
-def run_axis(
-    plant: Plant,
-    drive: AxisDriveParams,
-    state: AxisState,
-    shaft: QuadratureState,
-    brake: BrakeState,
-    own: AxisDriveState,
-    reference: Array,
-    loads: Array,
-    stop_step: int,
-    stop_category: int,
-    log: Array,
-    events: NDArray[np.int64],
-) -> int:
-    """Run along reference samples (3, n) of the position loop, and on for as long as the log (13, ticks) has room.
-
-    Rows of the log: load angle, motor angle, load speed, motor speed, current, voltage, current reference, speed
-    reference, mean of the squared current, estimated speed, phase, place on the path, estimated angle; at the
-    motor shaft. `events`
-    (e, 2) take each cause that is found, with its step. Return how many there are.
-    """
-    k = found = many = bad = 0
-    count, lines, frames, faults = shaft.counts, HEALTHY, 0.0, plant.faults
-    for tick in range(log.shape[1]):
-        _note(log[:, tick], state, own)
-        heat, load = 0.0, loads[min(tick, loads.shape[0] - 1)]
-        for _ in range(drive.servo.position_samples):
-            broken = k >= faults.step
-            lines = faults.lines if broken else HEALTHY
-            shaft = quadrature_step(plant.encoder, lines, shaft, state.angle)
-            if (
-                k % drive.servo.speed_samples == 0
-            ):  # a frame each sample of the speed loop; a wrong one keeps the last count
-                frames += faults.bad_frames if broken else 0.0
-                bad = 1 if frames >= 1.0 else 0
-                frames -= bad
-                count = count if bad == 1 else shaft.counts
-            seen = AxisSignals(
-                count, shaft.edges_a, shaft.edges_b, shaft.pulses, shaft.index_count, faults.receiver if broken else 0,
-                bad, state.current + faults.current_zero, faults.supply, state.angle + faults.potentiometer,
-            )  # fmt: skip
-            own = drive_step(drive, own, k, seen, reference, stop_category if k == stop_step else NONE)
-            brake = brake_step(plant.brake, brake, own.brake)
-            conducts = own.power == 1 and not (broken and faults.phase_lost == 1)
-            holds = plant.brake.torque if brake.closed == 1 else 0.0
-            holds = JAMMED if broken and faults.blocked == 1 else holds
-            state = axis_step(plant.axis, state, own.servo.voltage, load, holds, conducts)
-            heat += state.current * state.current
-            if own.found != found:
-                many = _tell(events, many, k, own.found ^ found)
-                found = own.found
-            k += 1
-        log[8, tick] = heat / drive.servo.position_samples
-    return many
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -128,3 +79,66 @@ def _tell(events: NDArray[np.int64], many: int, step: int, found: int) -> int:
             events[many, 0], events[many, 1] = step, code
             many += 1
     return many
+
+
+@functools.cache
+def axis_runner(servo_step: Any) -> Any:
+    """The compiled run of an axis under `axis_servo_step`, or the step of another servo."""
+    drive_step = drive_step_of(servo_step)
+
+    @loop(error_model="numpy")
+    def run_axis(
+        plant: Plant,
+        drive: AxisDriveParams,
+        state: AxisState,
+        shaft: QuadratureState,
+        brake: BrakeState,
+        own: AxisDriveState,
+        reference: Array,
+        loads: Array,
+        stop_step: int,
+        stop_category: int,
+        log: Array,
+        events: NDArray[np.int64],
+    ) -> int:
+        """Run along reference samples (3, n) of the position loop, and on for as long as the log (13, ticks) has room.
+
+        `events` (e, 2) take each cause that is found, with its step. Return how many there are.
+        """
+        k = found = many = bad = 0
+        count, load_count, lines, frames, faults = shaft.counts, 0, HEALTHY, 0.0, plant.faults
+        for tick in range(log.shape[1]):
+            _note(log[:, tick], state, own)
+            heat, load = 0.0, loads[min(tick, loads.shape[0] - 1)]
+            for _ in range(drive.servo.position_samples):
+                broken = k >= faults.step
+                lines = faults.lines if broken else HEALTHY
+                shaft = quadrature_step(plant.encoder, lines, shaft, state.angle)
+                if (
+                    k % drive.servo.speed_samples == 0
+                ):  # a frame each sample of the speed loop; a wrong one keeps the last count
+                    frames += faults.bad_frames if broken else 0.0
+                    bad = 1 if frames >= 1.0 else 0
+                    frames -= bad
+                    count = count if bad == 1 else shaft.counts
+                    load_count = math.floor(state.load_angle * plant.load_counts_per_rad)
+                seen = AxisSignals(
+                    count, shaft.edges_a, shaft.edges_b, shaft.pulses, shaft.index_count,
+                    faults.receiver if broken else 0, bad, state.current + faults.current_zero, faults.supply,
+                    state.angle + faults.potentiometer, load_count, state.speed,
+                )  # fmt: skip
+                own = drive_step(drive, own, k, seen, reference, stop_category if k == stop_step else NONE)
+                brake = brake_step(plant.brake, brake, own.brake)
+                conducts = own.power == 1 and not (broken and faults.phase_lost == 1)
+                holds = plant.brake.torque if brake.closed == 1 else 0.0
+                holds = JAMMED if broken and faults.blocked == 1 else holds
+                state = axis_step(plant.axis, state, own.servo.voltage, load, holds, conducts)
+                heat += state.current * state.current
+                if own.found != found:
+                    many = _tell(events, many, k, own.found ^ found)
+                    found = own.found
+                k += 1
+            log[8, tick] = heat / drive.servo.position_samples
+        return many
+
+    return run_axis

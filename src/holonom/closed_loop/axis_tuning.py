@@ -5,13 +5,16 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from holonom.arrays import Array
 from holonom.closed_loop.axis import AxisRun, simulate_axis
-from holonom.control import CascadeGains, DesignWarning, LoopMargin, SampleTimes, design_cascade
+from holonom.control import CascadeGains, DesignWarning, LoopMargin, SampleTimes, Servo, ServoGains
+from holonom.control.servo.forms.three_loops import ThreeLoops
+from holonom.control.servo.law_kernels import ONE_LOOP, PASSES
 from holonom.devices.motors.thermal import ThermalModel
 from holonom.errors import ModelError, OutOfLimits
 from holonom.machine.axis.drive import DriveSettings
@@ -60,9 +63,12 @@ class WantedAxis:
 
 @dataclass(frozen=True, slots=True)
 class AxisLoop:
-    """A loop: form; `Kc` in V/A, A s/rad (motor), 1/s; `Ti`, `Td` in s, None where it has none; margins; delay, s."""
+    """A loop: form; `Kc` in V/A, A s/rad (motor), 1/s; `Ti`, `Td` in s, None where it has none; margins; delay, s.
 
-    form: Literal["PI", "P"]
+    Of a servo of one or two loops the loop is `angle`: PID with `Kc` in A/rad (of one loop: V/rad) of the motor.
+    """
+
+    form: Literal["PID", "PI", "P", "PD"]
     Kc: float
     Ti: float | None
     Td: float | None
@@ -107,7 +113,7 @@ class AxisTuning:
     """
 
     axis: Axis
-    gains: CascadeGains
+    gains: CascadeGains | ServoGains
     loops: dict[str, AxisLoop]
     verified: Verified
     warnings: tuple[DesignWarning, ...]
@@ -130,6 +136,7 @@ def tune_axis(
     times: SampleTimes | None = None,
     wanted: WantedAxis = WantedAxis(),
     thermal: ThermalModel | None = None,
+    servo: Servo = ThreeLoops(),
 ) -> AxisTuning:
     """Gains of all loops from motor, gear, load and encoder, tried in a simulation.
 
@@ -143,6 +150,8 @@ def tune_axis(
         What it is to do.
     thermal
         Of its motor.
+    servo
+        Of `SERVOS`; the cascade of three loops unless given.
 
     Raises
     ------
@@ -151,7 +160,7 @@ def tune_axis(
     """
     speed, acceleration = _possible(axis, wanted, thermal)
     axis = dataclasses.replace(axis, max_speed=RESERVE * speed)
-    gains = design_cascade(axis.servo_axis(), times=times)
+    gains = servo.design(axis.servo_axis(), times=times)
     loops = _loops(gains)
     step = _step(axis, gains, wanted.step)
     moved = _there_and_back(wanted.step, speed, acceleration, gains.times.position)
@@ -165,7 +174,7 @@ def tune_axis(
     warnings = (
         *gains.warnings,
         *stopped,
-        *_encoder_warnings(axis, gains),
+        *_encoder_warnings(axis, gains, servo),
         *_restless(axis, wanted.step, gains, verified),
         *_unmet(wanted, verified),
         *_hot(verified, thermal),
@@ -207,20 +216,30 @@ def _drivable(axis: Axis, part: float) -> float:
     return max(m.max_voltage - drops, LEAST_PART * m.max_voltage) / m.back_emf_constant / abs(axis.gear.ratio)
 
 
-def _loops(gains: CascadeGains) -> dict[str, AxisLoop]:
+def _loops(gains: CascadeGains | ServoGains) -> dict[str, AxisLoop]:
     c, s, p, times = gains.current, gains.speed, gains.position, gains.times
+    dt = times.current if isinstance(gains, ServoGains) and gains.law.tachometer else times.speed
+    corner = s.integral_gain / s.gain / dt  # 1 / Ti
+    led = isinstance(gains, ServoGains) and gains.law.lead != PASSES
+    made: dict[str, tuple[Literal["PID", "PI", "P", "PD"], float, float | None, float | None, float]] = {
+        "current": ("PI", c.gain, c.gain * times.current / c.integral_gain, None, times.current),
+        "speed": ("PI", s.gain, 1.0 / corner if corner > 0.0 else None, None, dt),
+        "position": ("P", p.gain, None, None, times.position),
+    }
+    if corner == 0.0:
+        made["speed"] = ("PD" if led else "P", s.gain, None, None, dt)
+    if "angle" in gains.margins:  # (1 + corner / s) (k + s) K as K_c (1 + 1 / (s Ti) + s Td)
+        volts = 1.0 / s.conductance if isinstance(gains, ServoGains) and gains.law.form == ONE_LOOP else 1.0
+        both = p.gain + corner
+        made["angle"] = ("PID", volts * s.gain * both, both / (corner * p.gain), 1.0 / both, times.speed)
     return {
-        "current": AxisLoop(
-            "PI", c.gain, c.gain * times.current / c.integral_gain, None, gains.current_margin, DELAY * times.current
-        ),
-        "speed": AxisLoop(
-            "PI", s.gain, s.gain * times.speed / s.integral_gain, None, gains.speed_margin, DELAY * times.speed
-        ),
-        "position": AxisLoop("P", p.gain, None, None, gains.position_margin, DELAY * times.position),
+        name: AxisLoop(form, Kc, Ti, Td, margin, DELAY * sample)
+        for name, margin in gains.margins.items()
+        for form, Kc, Ti, Td, sample in [made[name]]
     }
 
 
-def _step(axis: Axis, gains: CascadeGains, size: float) -> AxisRun:
+def _step(axis: Axis, gains: CascadeGains | ServoGains, size: float) -> AxisRun:
     """A step of the position, for as long as it takes, ten time constants of the loop, and 0.2 s."""
     speed = axis.max_speed or math.inf
     brakes = gains.position.max_braking / abs(axis.gear.ratio)
@@ -271,43 +290,49 @@ def _verified(size: float, step: AxisRun, move: AxisRun, thermal: ThermalModel |
     )
 
 
-def _settling(time: Array, outside: Array) -> float:
+def _settling(time: Array, outside: NDArray[np.integer[Any]]) -> float:
     """Time of the last sample outside of the band, s; infinite where that is the last one of all."""
     if not len(outside):
         return 0.0
     return math.inf if outside[-1] == len(time) - 1 else float(time[outside[-1]])
 
 
-def _restless(axis: Axis, size: float, gains: CascadeGains, verified: Verified) -> list[DesignWarning]:
+def _restless(axis: Axis, size: float, gains: CascadeGains | ServoGains, verified: Verified) -> list[DesignWarning]:
     """What a simulation shows of a step that does not come to rest, and a resonance within the speed loop."""
     found, band = [], SETTLED * size
     if math.isinf(verified.settling_time):
         text = f"a step of {size:g} rad ends {verified.end_error:.4g} rad off; {band:.4g} rad count as settled"
         found.append(DesignWarning("not_settled", text, verified.end_error, band))
     if verified.position_ripple > band:
-        text = f"after a step of {size:g} rad it swings by {verified.position_ripple:.4g} rad; up to {band:.4g} rad is rest"
+        ripple = verified.position_ripple
+        text = f"after a step of {size:g} rad it swings by {ripple:.4g} rad; {band:.4g} rad count as rest"
         found.append(DesignWarning("position_ripple", text, verified.position_ripple, band))
-    crossing, swings = gains.speed_margin.crossover, math.sqrt(axis.stiffness / axis.load.inertia)
+    crossing, swings = _crossover(gains), math.sqrt(axis.stiffness / axis.load.inertia)
     if crossing > swings:
         text = (
-            f"with the motor held, the load swings at {swings:.4g} rad/s; the speed loop crosses at {crossing:.4g} rad/s, "
-            f"and its margin is that of a stiff axis: {axis.load.inertia * crossing**2:.4g} N m/rad are needed, or a "
-            "slower loop (longer sample times)"
+            f"with the motor held, the load swings at {swings:.4g} rad/s; the speed loop crosses at {crossing:.4g} "
+            f"rad/s, and its margin is that of a stiff axis: {axis.load.inertia * crossing**2:.4g} N m/rad are needed, "
+            "or a slower loop (longer sample times)"
         )
         found.append(DesignWarning("resonance", text, crossing, swings))
     return found
 
 
-def _encoder_warnings(axis: Axis, gains: CascadeGains) -> list[DesignWarning]:
+def _crossover(gains: CascadeGains | ServoGains) -> float:
+    """Of the speed loop, or of what has it inside, rad/s."""
+    return gains.margins["speed" if "speed" in gains.margins else "angle"].crossover
+
+
+def _encoder_warnings(axis: Axis, gains: CascadeGains | ServoGains, servo: Servo) -> list[DesignWarning]:
     found, counts = [], axis.encoder.counts_per_rev
     if gains.speed_limited_by == "encoder resolution":
-        fine = design_cascade(dataclasses.replace(axis.servo_axis(), counts_per_rev=1e9), times=gains.times)
-        asked = fine.speed_margin.crossover
-        needed = math.ceil(counts * (asked / gains.speed_margin.crossover) ** 2)
+        fine = servo.design(dataclasses.replace(axis.servo_axis(), counts_per_rev=1e9), times=gains.times)
+        asked, slow = _crossover(fine), _crossover(gains)
+        needed = math.ceil(counts * (asked / slow) ** 2)
         found.append(
             DesignWarning(
                 "encoder_resolution",
-                f"{counts} counts per turn slow the speed loop to {gains.speed_margin.crossover:.4g} rad/s; its "
+                f"{counts} counts per turn slow the speed loop to {slow:.4g} rad/s; its "
                 f"sampling bears {asked:.4g} rad/s, for which {needed} counts are needed",
                 float(counts),
                 float(needed),

@@ -17,6 +17,8 @@ Verbs that make their params:
 =======================  =======================================================================
 `design_cascade`         `ServoAxis` and `SampleTimes` to `CascadeGains` with margins
 `acceleration_params`    a bandwidth to the gains of the computed-torque law; `greatest_bandwidth` at a sample time
+`SERVOS`                 servos beside it, a `Servo` each: one, two, three loops, PD, notch, ...
+`remaining_errors`       what a loop of some type number leaves of steps, ramps, parabolas
 `AxisLimits`             limits; `Violation` names them, `drive_fault` words the stop
 =======================  =======================================================================
 
@@ -93,7 +95,10 @@ from holonom.control.servo.kernels import (
     speed_step,
     torque_to_current,
 )
+from holonom.control.servo.law_design import Servo, ServoGains
 from holonom.control.servo.limits import AxisLimits, Violation, drive_fault
+from holonom.control.servo.methods import SERVOS
+from holonom.control.servo.remaining import RemainingErrors, remaining_errors
 
 __all__ = [
     "BALANCE_LAWS",
@@ -103,6 +108,7 @@ __all__ = [
     "PROCESSES",
     "REGULATORS",
     "RULES",
+    "SERVOS",
     "AccelerationParams",
     "AxisLimits",
     "BalanceLaw",
@@ -123,8 +129,11 @@ __all__ = [
     "PositionParams",
     "Process",
     "Regulator",
+    "RemainingErrors",
     "SampleTimes",
+    "Servo",
     "ServoAxis",
+    "ServoGains",
     "SpeedParams",
     "TractionSettings",
     "Tuning",
@@ -149,6 +158,7 @@ __all__ = [
     "position_step",
     "recommend",
     "relay_cycle",
+    "remaining_errors",
     "respond",
     "sampled_margin",
     "speed_step",

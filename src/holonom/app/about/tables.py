@@ -15,6 +15,7 @@ TABLES: Mapping[str, str] = MappingProxyType(
         "controllers": "holonom.control.methods:CONTROLLERS",
         "base_controllers": "holonom.control.methods:BASE_CONTROLLERS",
         "regulators": "holonom.control.regulators.methods:REGULATORS",
+        "servos": "holonom.control.servo.methods:SERVOS",
         "processes": "holonom.control.processes.process:PROCESSES",
         "rules": "holonom.control.processes.methods:RULES",
         "path_laws": "holonom.control.path_laws.methods:PATH_LAWS",

@@ -4,17 +4,30 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from holonom.arrays import Array
 from holonom.control.margins import LoopMargin, margin_of
+from holonom.control.servo.axis import DesignWarning, SampleTimes, ServoAxis
 from holonom.control.servo.kernels import CurrentParams, PositionParams, SpeedParams
-from holonom.errors import ModelError, OutOfLimits
+from holonom.control.servo.matching import drivable_speed, unmatched
+from holonom.errors import OutOfLimits
 
-__all__ = ["CascadeGains", "DesignWarning", "SampleTimes", "ServoAxis", "design_cascade", "open_loops"]
+__all__ = [
+    "CascadeGains",
+    "DesignWarning",
+    "SampleTimes",
+    "ServoAxis",
+    "design_cascade",
+    "design_current",
+    "design_speed",
+    "looked_at",
+    "open_loops",
+    "resolvable_crossover",
+]
 
 LOOP_DELAY = 1.5  # sample periods: half of one for the hold, one for computing, as a digital drive has them
 CURRENT_MARGIN = math.radians(60.0)
@@ -23,85 +36,9 @@ POSITION_RATIO = 8.0  # crossover of the speed loop over the position gain
 POSITION_SAMPLES = 0.2  # position gain times its sample time, at most: 17 deg of phase
 OBSERVER_RATIO = 2.0  # bandwidth of the speed observer over the crossover of the speed loop
 COUNT_RIPPLE = 0.2  # current that one count of position error may cost, as a part of the current limit
-LEAST_MARGINS = {"current": 50.0, "speed": 45.0, "position": 60.0}  # deg, below which a design says so
+LEAST_MARGINS = {"current": 50.0, "speed": 45.0, "position": 60.0, "angle": 40.0}  # deg, below which a design says so
 LEAST_GAIN_MARGIN = 2.0
 COUNT_PEAK = 0.8  # speed that one count costs a third-order tracking loop, in counts times its bandwidth
-
-
-@dataclass(frozen=True, slots=True)
-class ServoAxis:
-    """A servo axis as its regulators see it: plain numbers, all at the motor shaft.
-
-    Attributes
-    ----------
-    resistance, inductance
-        Armature, ohm and H.
-    torque_constant, back_emf_constant
-        N m/A and V s/rad.
-    inertia
-        Rotor and load together, kg m^2 (load inertia at the joint divided by the ratio squared).
-    viscous
-        N m s/rad.
-    max_voltage, max_current, max_speed
-        V, A, rad/s.
-    counts_per_rev
-        Encoder counts per turn of the motor.
-
-    Raises
-    ------
-    ModelError
-        A number that is not finite and positive (`viscous` may be 0).
-    """
-
-    resistance: float
-    inductance: float
-    torque_constant: float
-    back_emf_constant: float
-    inertia: float
-    max_voltage: float
-    max_current: float
-    max_speed: float
-    counts_per_rev: float
-    viscous: float = 0.0
-
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            positive = value > 0.0 or (field.name == "viscous" and value == 0.0)
-            if not (positive and math.isfinite(value)):
-                raise ModelError(f"ServoAxis: {field.name} is {value!r}; it must be finite and greater than 0")
-
-
-@dataclass(frozen=True, slots=True)
-class SampleTimes:
-    """Sample times of the three loops, s.
-
-    Raises
-    ------
-    OutOfLimits
-        A time that is not positive, or an inner loop that is slower than the one around it.
-    """
-
-    current: float = 1e-4
-    speed: float = 5e-4
-    position: float = 1e-3
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.current <= self.speed <= self.position < math.inf:
-            raise OutOfLimits(
-                f"SampleTimes: current {self.current!r}, speed {self.speed!r}, position {self.position!r} s; "
-                "they must be positive, and no loop slower than the one around it"
-            )
-
-
-@dataclass(frozen=True, slots=True)
-class DesignWarning:
-    """What a design does not reach: a name, a sentence, the number that is and the one that is wanted."""
-
-    name: str
-    text: str
-    value: float
-    wanted: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,6 +69,11 @@ class CascadeGains:
     position_margin: LoopMargin
     speed_limited_by: str
     warnings: tuple[DesignWarning, ...] = ()
+
+    @property
+    def margins(self) -> dict[str, LoopMargin]:
+        """By name of the loop."""
+        return {"current": self.current_margin, "speed": self.speed_margin, "position": self.position_margin}
 
 
 def design_cascade(
@@ -174,8 +116,8 @@ def design_cascade(
     if max_braking is not None and not max_braking > 0.0:
         raise OutOfLimits(f"design_cascade: max_braking is {max_braking!r}; it must be greater than 0 rad/s^2")
     times = times or SampleTimes()
-    current = _design_current(axis, times.current, feed_back_emf)
-    speed, observer, limited_by = _design_speed(axis, times, current)
+    current = design_current(axis, times.current, feed_back_emf)
+    speed, observer, limited_by = design_speed(axis, times, current)
     torque_limit = axis.torque_constant * axis.max_current
 
     responses = _open_loops(axis, times, current, speed)
@@ -183,7 +125,7 @@ def design_cascade(
     speed_margin = margin_of("speed", responses["speed"], times.speed)
     position = PositionParams(
         gain=min(speed_margin.crossover / POSITION_RATIO, POSITION_SAMPLES / times.position),
-        max_speed=axis.max_speed,
+        max_speed=min(axis.max_speed, drivable_speed(axis)),
         max_braking=0.5 * torque_limit / axis.inertia if max_braking is None else max_braking,
     )
 
@@ -202,7 +144,7 @@ def design_cascade(
         speed_margin=margins["speed"],
         position_margin=margins["position"],
         speed_limited_by=limited_by,
-        warnings=tuple(_looked_at(axis, times, margins)),
+        warnings=(*looked_at(axis, times, margins), *unmatched(axis, current, speed, position)),
     )
 
 
@@ -236,10 +178,10 @@ def _position_loop(
     return lambda s: position.gain / s * _closed(speed_loop(s)) * np.exp(-LOOP_DELAY * times.position * s)
 
 
-def _looked_at(axis: ServoAxis, times: SampleTimes, margins: dict[str, LoopMargin]) -> list[DesignWarning]:
+def looked_at(axis: ServoAxis, times: SampleTimes, margins: dict[str, LoopMargin]) -> list[DesignWarning]:
     """What does not hold of a design."""
     found, lag = [], axis.inductance / axis.resistance
-    if times.current > lag:
+    if times.current > lag and "current" in margins:
         found.append(
             DesignWarning(
                 "sample_time",
@@ -274,7 +216,8 @@ def _looked_at(axis: ServoAxis, times: SampleTimes, margins: dict[str, LoopMargi
     return found
 
 
-def _design_current(axis: ServoAxis, dt: float, feed_back_emf: bool) -> CurrentParams:
+def design_current(axis: ServoAxis, dt: float, feed_back_emf: bool) -> CurrentParams:
+    """PI of the current: its zero on L/R, 60 deg of phase left."""
     crossover = (0.5 * math.pi - CURRENT_MARGIN) / (LOOP_DELAY * dt)
     gain = crossover * axis.inductance
     return CurrentParams(
@@ -285,11 +228,11 @@ def _design_current(axis: ServoAxis, dt: float, feed_back_emf: bool) -> CurrentP
     )
 
 
-def _design_speed(axis: ServoAxis, times: SampleTimes, current: CurrentParams) -> tuple[SpeedParams, float, str]:
+def design_speed(axis: ServoAxis, times: SampleTimes, current: CurrentParams) -> tuple[SpeedParams, float, str]:
     """Speed loop, observer bandwidth (rad/s) and what limited them."""
     small_lag = axis.inductance / current.gain + LOOP_DELAY * times.speed
     by_sampling = 1.0 / (math.sqrt(SPEED_RATIO) * small_lag)
-    by_counts = _resolvable_crossover(axis)
+    by_counts = resolvable_crossover(axis)
     crossover = min(by_sampling, by_counts)
     gain = crossover * axis.inertia / axis.torque_constant
     slowest = axis.inertia / axis.viscous if axis.viscous > 0.0 else math.inf
@@ -306,7 +249,7 @@ def _design_speed(axis: ServoAxis, times: SampleTimes, current: CurrentParams) -
     return params, OBSERVER_RATIO * crossover, limited_by
 
 
-def _resolvable_crossover(axis: ServoAxis) -> float:
+def resolvable_crossover(axis: ServoAxis) -> float:
     """Crossover w (rad/s) at which one count, through observer and gain w J / k_t, costs its current."""
     count = 2.0 * math.pi / axis.counts_per_rev
     allowed = COUNT_RIPPLE * axis.max_current * axis.torque_constant / axis.inertia

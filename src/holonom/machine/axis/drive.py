@@ -6,16 +6,18 @@ import math
 from dataclasses import dataclass, field
 from typing import Literal
 
-from holonom.control import CascadeGains, ServoAxis
+from holonom.control import CascadeGains, ServoAxis, ServoGains
 from holonom.control.servo.kernels import LimitParams
+from holonom.control.servo.law_kernels import LAW_START, THREE_LOOPS, LawParams, LawState
 from holonom.control.servo.watch_kernels import WATCH_START, DriveWatchParams
 from holonom.devices import Encoder, Friction, tracking_params
 from holonom.devices.encoders.counters.index import INDEX_START, IndexCorrection
 from holonom.devices.encoders.homing.potentiometer import PotentiometerHoming
 from holonom.devices.encoders.homing.states import HOMING_START
+from holonom.devices.encoders.kernels import EncoderParams
 from holonom.devices.power.brake import Brake
 from holonom.errors import OutOfLimits
-from holonom.machine.axis.drive_kernels import (
+from holonom.machine.axis.drive_records import (
     CHECKING,
     RUNNING,
     AxisDriveParams,
@@ -97,7 +99,7 @@ class DriveSettings:
 
 
 def drive_params(
-    axis: ServoAxis, friction: Friction, gains: CascadeGains, loop: str, settings: DriveSettings,
+    axis: ServoAxis, friction: Friction, gains: CascadeGains | ServoGains, loop: str, settings: DriveSettings,
     feed_forward: bool = True,
 ) -> AxisDriveParams:  # fmt: skip
     """Params of `drive_step` for an axis, its friction at the motor as it is known (fed forward or not), and gains.
@@ -134,9 +136,15 @@ def drive_params(
 
 
 def _servo_params(
-    axis: ServoAxis, friction: Friction, gains: CascadeGains, loop: str, prefilter: bool, encoder: Encoder
+    axis: ServoAxis, friction: Friction, gains: CascadeGains | ServoGains, loop: str, prefilter: bool, encoder: Encoder
 ) -> AxisServoParams:
     times = gains.times
+    law: LawParams | tuple[()] = ()
+    start: LawState | tuple[()] = ()
+    if isinstance(gains, ServoGains):
+        law, start = gains.law, LAW_START
+        if gains.law.form != THREE_LOOPS and loop == "current":
+            raise OutOfLimits("simulate_axis: loop is 'current'; this servo has no such loop of its own")
     inner = _multiple("speed", times.speed, times.current)
     coulomb = 0.5 * (friction.coulomb_positive + friction.coulomb_negative)
     return AxisServoParams(
@@ -153,8 +161,25 @@ def _servo_params(
         outer=OUTER[loop],
         speed_lead=LOOP_DELAY if loop == "position" else 0.0,
         acceleration_lead=LOOP_DELAY * times.speed / times.position,
-        following=gains.speed.integral_gain / gains.speed.gain if prefilter else 1.0,
+        following=_followed(gains) if prefilter else 1.0,
+        load_encoder=_load_encoder(axis, encoder),
+        law=law,
+        law_start=start,
     )
+
+
+def _followed(gains: CascadeGains | ServoGains) -> float:
+    """Part of `1/(1 + s Ti)` in a sample of the speed loop; without an integral there is nothing to take out."""
+    part = gains.speed.integral_gain / gains.speed.gain
+    if isinstance(gains, ServoGains) and gains.law.tachometer:
+        part *= gains.times.speed / gains.times.current
+    return min(part, 1.0) if part > 0.0 else 1.0
+
+
+def _load_encoder(axis: ServoAxis, encoder: Encoder) -> EncoderParams:
+    """Of the load, at the motor; where there is none, the motor's."""
+    per_rad = axis.load_counts / (2.0 * math.pi)
+    return EncoderParams(per_rad, 1.0 / per_rad) if per_rad > 0.0 else encoder.params()
 
 
 def _watch_params(
@@ -199,7 +224,7 @@ def _check_params(axis: ServoAxis, dt: float, settings: DriveSettings, encoder: 
 def drive_start(params: AxisDriveParams, settings: DriveSettings, count: int) -> AxisDriveState:
     """First state of a drive whose counter is at zero where the homed count is `count`."""
     zero = count if settings.homing is None else 0
-    nothing = AxisServoState(zero, zero, *([0.0] * 11))
+    nothing = AxisServoState(zero, zero, *([0.0] * 11), params.servo.law_start)  # type: ignore[call-arg]
     servo = standing(params.servo, nothing, 0)
     phase = CHECKING
     if settings.start == "powered":

@@ -11,10 +11,11 @@ Signals come in, a voltage, a brake and the power stage's enable go out; the pla
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import functools
+from typing import Any
 
 from holonom.arrays import Array
-from holonom.control.servo.kernels import LimitParams, axis_violation
+from holonom.control.servo.kernels import axis_violation
 from holonom.control.servo.watch_kernels import (
     BLOCKED,
     COUNTS,
@@ -22,20 +23,33 @@ from holonom.control.servo.watch_kernels import (
     UNSURE,
     WINDING,
     DriveSeen,
-    DriveWatchParams,
     DriveWatchState,
     unsuspecting,
     watch_drive,
 )
-from holonom.devices.encoders.counters.index import IndexParams, IndexState, index_step
-from holonom.devices.encoders.homing.potentiometer import PotentiometerParams, potentiometer_step
+from holonom.devices.encoders.counters.index import IndexState, index_step
+from holonom.devices.encoders.homing.potentiometer import potentiometer_step
 from holonom.devices.encoders.homing.states import HomingState
+from holonom.machine.axis.drive_records import (
+    BLIND,
+    CHECKING,
+    CLOSING,
+    HOLDING,
+    HOMING,
+    NONE,
+    OFF,
+    RELEASING,
+    RUNNING,
+    SLOWING,
+    AxisDriveParams,
+    AxisDriveState,
+    AxisSignals,
+    CheckParams,
+    StopParams,
+)
 from holonom.machine.axis.kernels import (
     POSITION_LOOP,
-    SPEED_LOOP,
-    AxisServoParams,
     AxisServoState,
-    axis_servo_step,
     current_only,
     homed,
     powered,
@@ -43,26 +57,8 @@ from holonom.machine.axis.kernels import (
 )
 from holonom.trace.code.loops import loop
 
-__all__ = [
-    "BLIND",
-    "CHECKING",
-    "CLOSING",
-    "HOLDING",
-    "HOMING",
-    "OFF",
-    "RELEASING",
-    "RUNNING",
-    "SLOWING",
-    "AxisDriveParams",
-    "AxisDriveState",
-    "AxisSignals",
-    "CheckParams",
-    "StopParams",
-    "drive_step",
-]
+__all__ = ["drive_step_of"]
 
-OFF, CHECKING, RELEASING, RUNNING, SLOWING, CLOSING, HOLDING, BLIND, HOMING = 0, 1, 2, 3, 4, 5, 6, 7, 8
-"""Phases."""
 OFFSET, SUPPLY, POSITION, BRAKE = 21, 22, 23, 24
 """Failed checks, beside the causes of `watch_drive`."""
 HOMING_FAULT = 24
@@ -71,184 +67,9 @@ HOMED = 5
 """Phase of a homing that is done."""
 SPEED, CURRENT = 5, 6
 """Of `axis_violation`."""
-NONE = -1
-"""No stop is asked for."""
 OTHER_COUNTS = 100  # of a turn, one part that is missing: no lost edges, another encoder
 USUAL = 0.02  # of the usual current, each look
 CONDUCTS = 0.2  # part by which the test current may be off
-
-
-class AxisSignals(NamedTuple):
-    """What the drive reads.
-
-    Count, edges of A and B, index pulses and the count at the last one since power-on; the receivers' word and the
-    frame's checksum (0: well); A; the supply, V; the potentiometer, rad at the motor.
-    """
-
-    counts: int
-    edges_a: int
-    edges_b: int
-    pulses: int
-    index_count: int
-    line_fault: int
-    bad_frame: int
-    current: float
-    supply: float
-    potentiometer: float
-
-
-class CheckParams(NamedTuple):
-    """Self-check.
-
-    Steps of the current's zero and of the test torque; greatest zero, A; supply, V; test current, A; counts that a
-    shaft may turn against its brake; what counter and potentiometer may differ by, rad.
-    """
-
-    zero_steps: int
-    torque_steps: int
-    greatest_zero: float
-    least_supply: float
-    most_supply: float
-    current: float
-    turns: int
-    apart: float
-
-
-class StopParams(NamedTuple):
-    """Stops.
-
-    Part by which the path slows down each position sample, and how many there are in a second; steps until the brake
-    has opened, until it has closed, and until an axis has settled; A per rad/s of the brake by back-emf, speed (rad/s)
-    below which it has ended.
-    """
-
-    slowing: float
-    samples: float
-    opening: int
-    closing: int
-    settling: int
-    emf_gain: float
-    slow: float
-
-
-class AxisDriveParams(NamedTuple):
-    """Params of `drive_step`.
-
-    `hold` is the current (A) that the model says carries the load at rest; `homes`: whether it looks for its zero.
-    """
-
-    servo: AxisServoParams
-    watch: DriveWatchParams
-    index_params: IndexParams
-    limits: LimitParams
-    check: CheckParams
-    stop: StopParams
-    hold: float
-    supervised: bool
-    homing: PotentiometerParams
-    homes: bool
-
-
-class AxisDriveState(NamedTuple):
-    """State of a drive.
-
-    Attributes
-    ----------
-    servo, watch, index_state, homing
-        Of its parts.
-    phase, steps
-        Where it is between power-on and power-off, and for how many steps.
-    place, rate, held, category
-        On the path: samples, how fast it is gone along, angle that is held before it (rad); category of its stop.
-    voltages, currents
-        Sums since the last look.
-    usual, zero
-        The current that the load usually takes; what the shunt shows without any, A.
-    checked, checked_count
-        Of the self-check: sum, and count at its start.
-    brake, power
-        What goes out beside the voltage: 1, told to close; 1, on.
-    found, first
-        All that was found, a bit for each cause, and the first.
-    """
-
-    servo: AxisServoState
-    watch: DriveWatchState
-    index_state: IndexState
-    homing: HomingState
-    phase: int
-    steps: int
-    place: float
-    rate: float
-    held: float
-    category: int
-    voltages: float
-    currents: float
-    usual: float
-    zero: float
-    checked: float
-    checked_count: int
-    brake: int
-    power: int
-    found: int
-    first: int
-
-
-@loop(error_model="numpy", forceinline=True)
-def drive_step(
-    params: AxisDriveParams, state: AxisDriveState, k: int, seen: AxisSignals, reference: Array, asked: int
-) -> AxisDriveState:
-    """One step of the current loop; `servo.voltage`, `brake` and `power` of what comes back act until the next one.
-
-    Parameters
-    ----------
-    params, state
-        Of this drive.
-    k
-        Steps before.
-    seen
-        What is measured.
-    reference
-        (3, n) at the motor, a sample each of the position loop: position, speed, acceleration; or, by the outermost
-        loop, speeds, currents.
-    asked
-        Category of the stop that is asked for, `NONE` without.
-    """
-    p, s = params, state
-    current = seen.current - s.zero
-    found, looked = _look(p, s, k, seen, current, reference)
-    watch, index, voltages, currents, usual = looked
-    phase, zero, checked, checked_count, held = s.phase, s.zero, s.checked, s.checked_count, s.held
-    if phase == CHECKING:
-        phase, found, zero, checked, checked_count = _check(p.check, s, seen, current)
-        held = s.servo.angle
-        if phase == RELEASING:  # the shaft stands: all of the voltage is the resistance's
-            watch = unsuspecting(watch, s.servo.voltage / current)
-    homing, s_servo = s.homing, s.servo
-    if phase == HOMING and k % p.servo.speed_samples == 0:
-        homing = potentiometer_step(p.homing, homing, seen.counts, seen.pulses, seen.index_count, seen.potentiometer)
-        if homing.fault != 0 and found == 0:
-            found = HOMING_FAULT + homing.fault
-        if homing.phase == HOMED:
-            s_servo, phase = homed(p.servo, s_servo, homing.offset), RUNNING
-            held = s_servo.angle
-    phase, category = _react(phase, s.category, found, asked)
-    steps = s.steps + 1 if phase == s.phase else 0
-    phase = _goes_on(p.stop, phase, steps, s.rate, category, abs(watch.emf) - watch.allowed, p.homes)
-    steps = steps if phase == s.phase else 0
-    servo = _act(p, s, s_servo, phase, steps, k, seen.counts, current, watch.emf, homing.speed, reference)
-    place, rate = s.place, s.rate
-    if k % p.servo.position_samples == p.servo.position_samples - 1:
-        rate = 1.0 if phase == RUNNING else max(rate - p.stop.slowing, 0.0) if phase == SLOWING else 0.0
-        place = min(place + rate, reference.shape[1] - 1.0)
-    named = found if found != UNSURE else 0
-    brake = 1 if phase in (OFF, CHECKING, CLOSING, BLIND) else 0
-    power = 0 if phase == OFF or (phase == CHECKING and steps < p.check.zero_steps) else 1
-    return AxisDriveState(
-        servo, watch, index, homing, phase, steps, place, rate, held, category, voltages, currents, usual, zero,
-        checked, checked_count, brake, power, s.found | (1 << named if named != 0 else 0),
-        s.first if s.first != 0 else named,
-    )  # fmt: skip
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -279,6 +100,27 @@ def _look(
 
 
 @loop(error_model="numpy", forceinline=True)
+def _home(
+    params: AxisDriveParams, state: AxisDriveState, phase: int, found: int, k: int, seen: AxisSignals, held: float
+) -> tuple[int, int, HomingState, AxisServoState, float]:
+    """A step of the homing: phase, what is wrong, its state, the servo (which knows its zero once it is done), and the
+    angle that is held, which goes ahead at the homing's speed.
+    """
+    p, s, homing, servo = params, state, state.homing, state.servo
+    if phase != HOMING:
+        return phase, found, homing, servo, held
+    if k % p.servo.speed_samples == 0:
+        homing = potentiometer_step(p.homing, homing, seen.counts, seen.pulses, seen.index_count, seen.potentiometer)
+        if homing.fault != 0 and found == 0:
+            found = HOMING_FAULT + homing.fault
+        if homing.phase == HOMED:
+            servo = homed(p.servo, s.servo, homing.offset)
+            return RUNNING, found, homing, servo, servo.angle
+        held += homing.speed * p.servo.encoder.resolution * p.watch.dt
+    return phase, found, homing, servo, held
+
+
+@loop(error_model="numpy", forceinline=True)
 def _react(phase: int, category: int, found: int, asked: int) -> tuple[int, int]:
     """Phase and category of its stop after what was found, and what is asked for."""
     if found != 0:
@@ -288,37 +130,6 @@ def _react(phase: int, category: int, found: int, asked: int) -> tuple[int, int]
     if asked != NONE and phase in (RUNNING, HOLDING, RELEASING):
         phase, category = (OFF if asked == 0 else SLOWING), asked
     return phase, category
-
-
-@loop(error_model="numpy", forceinline=True)
-def _act(
-    params: AxisDriveParams, state: AxisDriveState, servo: AxisServoState, phase: int, steps: int, k: int, count: int,
-    current: float, emf: float, homing_speed: float, reference: Array,
-) -> AxisServoState:  # fmt: skip
-    """The loops in a phase."""
-    p, s, outer = params, state, params.servo.outer
-    if phase == OFF or (phase == CHECKING and steps < p.check.zero_steps):
-        return standing(p.servo, servo, count)
-    if phase == CHECKING:
-        second = steps >= p.check.zero_steps + p.check.torque_steps // 2
-        return current_only(p.servo, servo, -p.check.current if second else p.check.current, current)
-    if phase == BLIND:
-        most, brakes = p.watch.max_current, s.usual - p.stop.emf_gain * emf
-        return current_only(p.servo, servo, min(max(brakes, -most), most), current)
-    if phase == RELEASING:
-        servo = powered(servo, p.hold) if steps == 0 else servo
-        return axis_servo_step(p.servo, servo, k, count, current, s.held, 0.0, 0.0, POSITION_LOOP)
-    if phase == HOMING:
-        speed = homing_speed * p.servo.encoder.resolution
-        return axis_servo_step(p.servo, servo, k, count, current, speed, 0.0, 0.0, SPEED_LOOP)
-    r = _at(reference, s.place, 0)
-    v = s.rate * _at(reference, s.place + p.servo.speed_lead, 1)
-    a = s.rate * s.rate * _at(reference, s.place + p.servo.acceleration_lead, 2)
-    if outer != POSITION_LOOP:
-        r, v, a = s.rate * r, s.rate * r, v
-    if phase == SLOWING:
-        a -= p.stop.slowing * p.stop.samples * v
-    return axis_servo_step(p.servo, servo, k, count, current, r, v, a, outer)
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -379,3 +190,97 @@ def _check(
         if abs(seen.counts - s.checked_count) > check.turns:
             return OFF, BRAKE, s.zero, 0.0, s.checked_count
     return (RELEASING if tested >= check.torque_steps else CHECKING), 0, s.zero, 0.0, s.checked_count
+
+
+@functools.cache
+def _act_of(servo_step: Any) -> Any:
+    """The loops in a phase, around the step of a servo."""
+
+    @loop(error_model="numpy", forceinline=True)
+    def act(
+        params: AxisDriveParams, state: AxisDriveState, servo: AxisServoState, phase: int, steps: int, k: int,
+        seen: AxisSignals, current: float, emf: float, held: float, speed: float, reference: Array,
+    ) -> AxisServoState:  # fmt: skip
+        """The loops in a phase."""
+        p, s = params, state
+        if phase == OFF or (phase == CHECKING and steps < p.check.zero_steps):
+            return standing(p.servo, servo, seen.counts)
+        if phase == CHECKING:
+            second = steps >= p.check.zero_steps + p.check.torque_steps // 2
+            return current_only(p.servo, servo, -p.check.current if second else p.check.current, current)
+        if phase == BLIND:
+            most, brakes = p.watch.max_current, s.usual - p.stop.emf_gain * emf
+            return current_only(p.servo, servo, min(max(brakes, -most), most), current)
+        if phase == RELEASING:
+            servo = powered(servo, p.hold) if steps == 0 else servo
+        if phase in (RELEASING, HOMING):
+            r = held if p.servo.outer == POSITION_LOOP else speed
+            return servo_step(p.servo, servo, k, seen.counts, current, r, 0.0, 0.0, seen.load_counts, seen.tachometer)
+        r = _at(reference, s.place, 0)
+        v = s.rate * _at(reference, s.place + p.servo.speed_lead, 1)
+        a = s.rate * s.rate * _at(reference, s.place + p.servo.acceleration_lead, 2)
+        if p.servo.outer != POSITION_LOOP:
+            r, v, a = s.rate * r, s.rate * r, v
+        if phase == SLOWING:
+            a -= p.stop.slowing * p.stop.samples * v
+        return servo_step(p.servo, servo, k, seen.counts, current, r, v, a, seen.load_counts, seen.tachometer)
+
+    return act
+
+
+@functools.cache
+def drive_step_of(servo_step: Any) -> Any:
+    """The compiled step of a drive around `axis_servo_step`, or that of another servo."""
+    act = _act_of(servo_step)
+
+    @loop(error_model="numpy", forceinline=True)
+    def drive_step(
+        params: AxisDriveParams, state: AxisDriveState, k: int, seen: AxisSignals, reference: Array, asked: int
+    ) -> AxisDriveState:
+        """One step of the current loop; `servo.voltage`, `brake` and `power` of what comes back act until the next one.
+
+        Parameters
+        ----------
+        params, state
+            Of this drive.
+        k
+            Steps before.
+        seen
+            What is measured.
+        reference
+            (3, n) at the motor, a sample each of the position loop: position, speed, acceleration; or, by the outermost
+            loop, speeds, currents.
+        asked
+            Category of the stop that is asked for, `NONE` without.
+        """
+        p, s = params, state
+        current = seen.current - s.zero
+        found, looked = _look(p, s, k, seen, current, reference)
+        watch, index, voltages, currents, usual = looked
+        phase, zero, checked, checked_count, held = s.phase, s.zero, s.checked, s.checked_count, s.held
+        if phase == CHECKING:
+            phase, found, zero, checked, checked_count = _check(p.check, s, seen, current)
+            held = s.servo.angle
+            if phase == RELEASING:  # the shaft stands: all of the voltage is the resistance's
+                watch = unsuspecting(watch, s.servo.voltage / current)
+        phase, found, homing, homing_servo, held = _home(p, s, phase, found, k, seen, held)
+        phase, category = _react(phase, s.category, found, asked)
+        steps = s.steps + 1 if phase == s.phase else 0
+        phase = _goes_on(p.stop, phase, steps, s.rate, category, abs(watch.emf) - watch.allowed, p.homes)
+        steps = steps if phase == s.phase else 0
+        speed = homing.speed * p.servo.encoder.resolution
+        servo = act(p, s, homing_servo, phase, steps, k, seen, current, watch.emf, held, speed, reference)
+        place, rate = s.place, s.rate
+        if k % p.servo.position_samples == p.servo.position_samples - 1:
+            rate = 1.0 if phase == RUNNING else max(rate - p.stop.slowing, 0.0) if phase == SLOWING else 0.0
+            place = min(place + rate, reference.shape[1] - 1.0)
+        named = found if found != UNSURE else 0
+        brake = 1 if phase in (OFF, CHECKING, CLOSING, BLIND) else 0
+        power = 0 if phase == OFF or (phase == CHECKING and steps < p.check.zero_steps) else 1
+        return AxisDriveState(
+            servo, watch, index, homing, phase, steps, place, rate, held, category, voltages, currents, usual, zero,
+            checked, checked_count, brake, power, s.found | (1 << named if named != 0 else 0),
+            s.first if s.first != 0 else named,
+        )  # fmt: skip
+
+    return drive_step

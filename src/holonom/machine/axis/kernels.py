@@ -6,7 +6,7 @@ of its samples later, as in a digital drive: with the hold that is the delay of 
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from holonom.control.servo.kernels import (
     CurrentParams,
@@ -59,12 +59,16 @@ class AxisServoParams(NamedTuple):
     speed_lead: float  # samples of the position loop, by which what is fed forward comes ahead of the loops' delays
     acceleration_lead: float
     following: float  # part by which the reference of a speed loop is followed each of its samples, 1: at once
+    load_encoder: EncoderParams  # of the load, at the motor
+    law: Any  # () of the default cascade, or `LawParams`
+    law_start: Any  # () or `LawState`
 
 
 class AxisServoState(NamedTuple):
     """What it remembers.
 
-    `offset` is the homed count where the counter is at zero; `next_` is computed and waits for its sample.
+    `offset` is the homed count where the counter is at zero; `next_` is computed and waits for its sample; `law` is ()
+    of the default cascade, or a `LawState`.
     """
 
     offset: int
@@ -80,6 +84,7 @@ class AxisServoState(NamedTuple):
     next_speed: float
     next_current: float
     next_voltage: float
+    law: Any
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -92,7 +97,8 @@ def axis_servo_step(
     reference: float,
     speed: float,
     acceleration: float,
-    outer: int,
+    load_count: int,
+    tachometer: float,
 ) -> AxisServoState:
     """One step of the current loop: `voltage` of the state that comes back acts until the next one.
 
@@ -106,8 +112,8 @@ def axis_servo_step(
         What is measured: the counter since power-on; A.
     reference, speed, acceleration
         Of the outermost loop, and what is fed forward: rad/s and rad/s2 at the motor.
-    outer
-        The outermost loop now.
+    load_count, tachometer
+        Of the load's encoder; rad/s: for other servos, see `law_servo_step`.
     """
     p, s = params, state
     counts, angle, rate, load = s.counts, s.angle, s.rate, s.load
@@ -118,12 +124,12 @@ def axis_servo_step(
         known = p.acceleration_per_ampere * current
         seen = tracking_step(p.tracking, TrackingState(angle, rate, load), count_angle(p.encoder, counts), known)
         angle, rate, load = seen.angle, seen.speed, seen.load
-        if outer == POSITION_LOOP and k % p.position_samples == 0:
+        if p.outer == POSITION_LOOP and k % p.position_samples == 0:
             speed_reference = next_speed
             next_speed = position_step(p.position, reference, speed, angle)
-        elif outer == SPEED_LOOP:
+        elif p.outer == SPEED_LOOP:
             speed_reference += p.following * (reference - speed_reference)
-        if outer != CURRENT_LOOP:
+        if p.outer != CURRENT_LOOP:
             ahead = acceleration / p.acceleration_per_ampere + p.viscous_current * speed
             if speed > 0.0:
                 ahead += p.friction_current
@@ -131,13 +137,13 @@ def axis_servo_step(
                 ahead -= p.friction_current
             current_reference = next_current
             next_current, speed_integral = speed_step(p.speed, speed_integral, speed_reference, rate, ahead)
-    if outer == CURRENT_LOOP:
+    if p.outer == CURRENT_LOOP:
         current_reference = reference
     voltage = s.next_voltage
     next_voltage, current_integral = current_step(p.current, s.current_integral, current_reference, current, rate)
     return AxisServoState(
         s.offset, counts, angle, rate, load, current_integral, speed_integral, speed_reference, current_reference,
-        voltage, next_speed, next_current, next_voltage,
+        voltage, next_speed, next_current, next_voltage, s.law,
     )  # fmt: skip
 
 
@@ -147,8 +153,9 @@ def current_only(params: AxisServoParams, state: AxisServoState, asked: float, c
     s = state
     next_voltage, integral = current_step(params.current, s.current_integral, asked, current, 0.0)
     return AxisServoState(
-        s.offset, s.counts, s.angle, 0.0, 0.0, integral, 0.0, 0.0, asked, s.next_voltage, 0.0, asked, next_voltage
-    )
+        s.offset, s.counts, s.angle, 0.0, 0.0, integral, 0.0, 0.0, asked, s.next_voltage, 0.0, asked, next_voltage,
+        params.law_start,
+    )  # fmt: skip
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -156,14 +163,16 @@ def standing(params: AxisServoParams, state: AxisServoState, count: int) -> Axis
     """The servo of an axis without power: it knows where the shaft is, and nothing else."""
     counts = state.offset + count
     angle = count_angle(params.encoder, counts)
-    return AxisServoState(state.offset, counts, angle, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return AxisServoState(
+        state.offset, counts, angle, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, params.law_start
+    )
 
 
 @loop(error_model="numpy", forceinline=True)
 def powered(state: AxisServoState, hold: float) -> AxisServoState:
     """The servo of an axis that is switched on where it stands: its speed loop begins with a current (A), bumpless."""
     s = state
-    return AxisServoState(s.offset, s.counts, s.angle, 0.0, 0.0, 0.0, hold, 0.0, hold, 0.0, 0.0, hold, 0.0)
+    return AxisServoState(s.offset, s.counts, s.angle, 0.0, 0.0, 0.0, hold, 0.0, hold, 0.0, 0.0, hold, 0.0, s.law)
 
 
 @loop(error_model="numpy", forceinline=True)
@@ -172,5 +181,5 @@ def homed(params: AxisServoParams, state: AxisServoState, offset: int) -> AxisSe
     s, moved = state, offset - state.offset
     return AxisServoState(
         offset, s.counts + moved, s.angle + moved * params.encoder.resolution, s.rate, s.load, s.current_integral,
-        s.speed_integral, 0.0, s.current_reference, s.voltage, 0.0, s.next_current, s.next_voltage,
+        s.speed_integral, 0.0, s.current_reference, s.voltage, 0.0, s.next_current, s.next_voltage, s.law,
     )  # fmt: skip

@@ -58,6 +58,8 @@ class Axis:
         Of gear and shaft at the joint, N m/rad; infinite: rigid, where there is no gap.
     max_speed
         Of the joint, rad/s; None: what the motor reaches at nine tenths of its supply.
+    load_encoder
+        On the joint, beside that of the motor; its counts are of a turn of the joint.
 
     Raises
     ------
@@ -73,6 +75,7 @@ class Axis:
     gap: float = parameter(0.0, meaning="backlash at the joint", unit="rad", least=0.0)
     stiffness: float = parameter(math.inf, meaning="at the joint", unit="N m/rad", above=0.0, most=math.inf)
     max_speed: float | None = None
+    load_encoder: Encoder | None = None
 
     def __post_init__(self) -> None:
         check_fields(self, ModelError)
@@ -121,7 +124,7 @@ class Axis:
 
     def servo_axis(self) -> ServoAxis:
         """What its regulators are designed for: rotor and load as one inertia."""
-        m = self.motor
+        m, ratio = self.motor, abs(self.gear.ratio)
         return ServoAxis(
             resistance=m.resistance,
             inductance=m.inductance,
@@ -133,6 +136,10 @@ class Axis:
             max_speed=self.top_speed,
             counts_per_rev=self.encoder.counts_per_rev,
             viscous=self.rubbing.viscous + self.load.viscous / self.gear.ratio**2,
+            load_inertia=self.load_inertia,
+            stiffness=self.stiffness / ratio**2,
+            gap=self.gap * ratio,
+            load_counts=0.0 if self.load_encoder is None else self.load_encoder.counts_per_rev / ratio,
         )
 
     def plant(self, dt: float) -> AxisPlantParams:

@@ -16,7 +16,7 @@ from holonom.app.drives.files import AxisFile
 from holonom.arrays import Array
 from holonom.closed_loop.axis import AxisRun
 from holonom.closed_loop.axis_tuning import AxisTuning, try_gains
-from holonom.control import open_loops
+from holonom.control.servo.law_design import servo_loops
 from holonom.devices.motors.thermal import ThermalModel
 from holonom.plots.axis import draw_bode, draw_spread, draw_steps, draw_torque_speed
 from holonom.sim import Axis
@@ -119,8 +119,9 @@ def _shown(data: Mapping[str, Any]) -> dict[str, str]:
 
 def _bode(found: AxisTuning) -> Figure:
     axis, gains = found.axis.servo_axis(), found.gains
-    loops = open_loops(axis, gains)
-    tops = {"current": gains.times.current, "speed": gains.times.speed, "position": gains.times.position}
+    loops = servo_loops(axis, gains)
+    times = gains.times
+    tops = {"current": times.current, "speed": times.speed, "position": times.position, "angle": times.speed}
     drawn = {}
     for name, loop in loops.items():
         w = np.geomspace(1e-4, 1.0, 600) * math.pi / tops[name]

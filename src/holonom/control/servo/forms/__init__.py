@@ -1,0 +1,3 @@
+"""The servos, one a file: settings, `design`, the line of the table `SERVOS`."""
+
+__all__: list[str] = []
