@@ -32,6 +32,7 @@ from holonom.machine.axis.kernels import (
     POSITION_LOOP,
     AxisServoParams,
     AxisServoState,
+    current_between,
     current_only,
     powered,
     standing,
@@ -52,6 +53,8 @@ __all__ = [
     "AxisSignals",
     "CheckParams",
     "StopParams",
+    "drive_between",
+    "drive_place",
     "drive_step_of",
 ]
 
@@ -206,6 +209,32 @@ def _look(
         wanted = s.servo.angle if p.servo.outer != POSITION_LOOP else _at(reference, s.place, 0)
         found = axis_violation(p.limits, wanted, s.servo.angle, s.servo.rate, current)
     return found, (watch, index, 0.0, 0.0, usual)
+
+
+@loop(error_model="numpy", forceinline=True)
+def drive_between(params: AxisDriveParams, state: AxisDriveState, measured: float) -> AxisDriveState:
+    """A drive's step while it runs, at a step that is no sample of the outer loops: a current (A) comes in.
+
+    Nothing is looked at and nothing is decided then; the place on the path is the caller's to move (`drive_place`).
+    """
+    s = state
+    current = measured - s.zero
+    return AxisDriveState(
+        current_between(params.servo, s.servo, current), s.watch, s.index_state, s.phase, s.steps + 1, s.place, s.rate,
+        s.held, s.category, s.voltages + s.servo.voltage, s.currents + current, s.usual, s.zero, s.checked,
+        s.checked_count, s.brake, s.power, s.found, s.first,
+    )  # fmt: skip
+
+
+@loop(error_model="numpy", forceinline=True)
+def drive_place(state: AxisDriveState, reference: Array) -> AxisDriveState:
+    """The drive that runs, a sample of the position loop further on its path."""
+    s = state
+    place = min(s.place + 1.0, reference.shape[1] - 1.0)
+    return AxisDriveState(
+        s.servo, s.watch, s.index_state, s.phase, s.steps, place, 1.0, s.held, s.category, s.voltages, s.currents,
+        s.usual, s.zero, s.checked, s.checked_count, s.brake, s.power, s.found, s.first,
+    )  # fmt: skip
 
 
 @loop(error_model="numpy", forceinline=True)
