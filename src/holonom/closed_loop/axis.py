@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -134,13 +134,18 @@ def simulate_axis(
     goes_on = stop is not None or broken or drive.start == "off"
     ticks = n + (round(LONGEST_STOP / gains.times.position) if goes_on else 0)
     log, events = np.empty((ROWS, ticks)), np.zeros((16, 2), dtype=np.int64)
-    many = axis_runner(law_servo_step if isinstance(gains, ServoGains) else axis_servo_step)(
+    many = _runner(gains)(
         plant, params, axis.at(start), QuadratureEncoder(plant.encoder.quarters_per_rev // 4).start(ratio * start),
         BrakeState(1 if drive.start == "off" else 0, 0),
         drive_start(params, drive, math.floor(ratio * start / axis.encoder.resolution)),
         np.ascontiguousarray(at_motor), _loads(axis, load_torque, n), asked_step, category, log, events,
     )  # fmt: skip
     return _run(log, given[0], ratio, gains.times.position, dt, events[:many])
+
+
+def _runner(gains: CascadeGains | ServoGains) -> Any:
+    """The compiled run under a servo."""
+    return axis_runner(law_servo_step, False) if isinstance(gains, ServoGains) else axis_runner(axis_servo_step, True)
 
 
 def _run(log: Array, reference: Array, ratio: float, tick: float, dt: float, events: NDArray[np.int64]) -> AxisRun:

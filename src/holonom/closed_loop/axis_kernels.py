@@ -15,11 +15,12 @@ from holonom.devices.encoders.quadrature.kernels import (
     LineFaults,
     QuadratureParams,
     QuadratureState,
+    healthy_step,
     quadrature_step,
 )
 from holonom.devices.power.brake import BrakeParams, BrakeState, brake_step
-from holonom.machine.axis.drive_kernels import drive_step_of
-from holonom.machine.axis.drive_records import NONE, AxisDriveParams, AxisDriveState, AxisSignals
+from holonom.machine.axis.drive_kernels import drive_between, drive_place, drive_step_of
+from holonom.machine.axis.drive_records import NONE, RUNNING, AxisDriveParams, AxisDriveState, AxisSignals
 from holonom.sim.axis.kernels import AxisPlantParams, AxisState, axis_step
 from holonom.trace.code.loops import loop
 
@@ -81,26 +82,34 @@ def _tell(events: NDArray[np.int64], many: int, step: int, found: int) -> int:
     return many
 
 
+@loop(error_model="numpy", forceinline=True)
+def _between_looks(
+    plant: Plant, drive: AxisDriveParams, state: AxisState, shaft: QuadratureState, own: AxisDriveState, load: float,
+    heat: float, steps: int,
+) -> tuple[tuple[AxisState, QuadratureState], AxisDriveState, float]:  # fmt: skip
+    """Steps of a healthy axis that runs, until its drive looks again; and the sum of its squared currents."""
+    for _ in range(steps):
+        shaft = healthy_step(plant.encoder, shaft, state.angle)
+        own = drive_between(drive, own, state.current + plant.faults.current_zero)
+        state = axis_step(plant.axis, state, own.servo.voltage, load, 0.0, True)
+        heat += state.current * state.current
+    return (state, shaft), own, heat
+
+
 @functools.cache
-def axis_runner(servo_step: Any) -> Any:
-    """The compiled run of an axis under `axis_servo_step`, or the step of another servo."""
+def axis_runner(servo_step: Any, between: bool) -> Any:
+    """The compiled run of an axis under `axis_servo_step`, or the step of another servo.
+
+    `between`: whether that servo's outer loops do nothing between their samples; such steps then take the short way.
+    """
     drive_step = drive_step_of(servo_step)
 
     @loop(error_model="numpy")
     def run_axis(
-        plant: Plant,
-        drive: AxisDriveParams,
-        state: AxisState,
-        shaft: QuadratureState,
-        brake: BrakeState,
-        own: AxisDriveState,
-        reference: Array,
-        loads: Array,
-        stop_step: int,
-        stop_category: int,
-        log: Array,
+        plant: Plant, drive: AxisDriveParams, state: AxisState, shaft: QuadratureState, brake: BrakeState,
+        own: AxisDriveState, reference: Array, loads: Array, stop_step: int, stop_category: int, log: Array,
         events: NDArray[np.int64],
-    ) -> int:
+    ) -> int:  # fmt: skip
         """Run along reference samples (3, n) of the position loop, and on for as long as the log (13, ticks) has room.
 
         `events` (e, 2) take each cause that is found, with its step. Return how many there are.
@@ -110,13 +119,12 @@ def axis_runner(servo_step: Any) -> Any:
         for tick in range(log.shape[1]):
             _note(log[:, tick], state, own)
             heat, load = 0.0, loads[min(tick, loads.shape[0] - 1)]
-            for _ in range(drive.servo.position_samples):
+            end = k + drive.servo.position_samples
+            while k < end:
                 broken = k >= faults.step
                 lines = faults.lines if broken else HEALTHY
                 shaft = quadrature_step(plant.encoder, lines, shaft, state.angle)
-                if (
-                    k % drive.servo.speed_samples == 0
-                ):  # a frame each sample of the speed loop; a wrong one keeps the last count
+                if k % drive.servo.speed_samples == 0:  # a frame; a wrong one keeps the last count
                     frames += faults.bad_frames if broken else 0.0
                     bad = 1 if frames >= 1.0 else 0
                     frames -= bad
@@ -138,6 +146,12 @@ def axis_runner(servo_step: Any) -> Any:
                     many = _tell(events, many, k, own.found ^ found)
                     found = own.found
                 k += 1
+                rest = -k % drive.servo.speed_samples
+                quiet = own.phase == RUNNING and brake.closed == 0 and brake.told == 0
+                if between and quiet and rest > 0 and k + rest <= faults.step and not k <= stop_step < k + rest:
+                    (state, shaft), own, heat = _between_looks(plant, drive, state, shaft, own, load, heat, rest)
+                    k += rest
+                    own = drive_place(own, reference) if k == end else own
             log[8, tick] = heat / drive.servo.position_samples
         return many
 

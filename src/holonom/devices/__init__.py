@@ -188,7 +188,7 @@ from holonom.devices.motors.reluctance import (
     reluctance_torque,
     run_reluctance,
 )
-from holonom.devices.motors.sheet_check import CONTRADICTION, NOTE, WARNING, Finding, SheetCheck, check_sheet
+from holonom.devices.motors.sheet_check import Finding, SheetCheck, check_sheet
 from holonom.devices.motors.six_step import SixStep, SixStepParams, hall_sector, six_step_step, six_step_torque
 from holonom.devices.motors.stepper import (
     Stepper,

@@ -50,6 +50,7 @@ from holonom.machine.axis.drive_records import (
 from holonom.machine.axis.kernels import (
     POSITION_LOOP,
     AxisServoState,
+    current_between,
     current_only,
     homed,
     powered,
@@ -57,7 +58,7 @@ from holonom.machine.axis.kernels import (
 )
 from holonom.trace.code.loops import loop
 
-__all__ = ["drive_step_of"]
+__all__ = ["drive_between", "drive_place", "drive_step_of"]
 
 OFFSET, SUPPLY, POSITION, BRAKE = 21, 22, 23, 24
 """Failed checks, beside the causes of `watch_drive`."""
@@ -118,6 +119,32 @@ def _home(
             return RUNNING, found, homing, servo, servo.angle
         held += homing.speed * p.servo.encoder.resolution * p.watch.dt
     return phase, found, homing, servo, held
+
+
+@loop(error_model="numpy", forceinline=True)
+def drive_between(params: AxisDriveParams, state: AxisDriveState, measured: float) -> AxisDriveState:
+    """A drive's step while it runs, at a step that is no sample of the outer loops: a current (A) comes in.
+
+    Nothing is looked at and nothing is decided then; the place on the path is the caller's to move (`drive_place`).
+    """
+    s = state
+    current = measured - s.zero
+    return AxisDriveState(
+        current_between(params.servo, s.servo, current), s.watch, s.index_state, s.homing, s.phase, s.steps + 1, s.place, s.rate,
+        s.held, s.category, s.voltages + s.servo.voltage, s.currents + current, s.usual, s.zero, s.checked,
+        s.checked_count, s.brake, s.power, s.found, s.first,
+    )  # fmt: skip
+
+
+@loop(error_model="numpy", forceinline=True)
+def drive_place(state: AxisDriveState, reference: Array) -> AxisDriveState:
+    """The drive that runs, a sample of the position loop further on its path."""
+    s = state
+    place = min(s.place + 1.0, reference.shape[1] - 1.0)
+    return AxisDriveState(
+        s.servo, s.watch, s.index_state, s.homing, s.phase, s.steps, place, 1.0, s.held, s.category, s.voltages, s.currents,
+        s.usual, s.zero, s.checked, s.checked_count, s.brake, s.power, s.found, s.first,
+    )  # fmt: skip
 
 
 @loop(error_model="numpy", forceinline=True)

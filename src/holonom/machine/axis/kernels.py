@@ -32,6 +32,7 @@ __all__ = [
     "AxisServoParams",
     "AxisServoState",
     "axis_servo_step",
+    "current_between",
     "current_only",
     "homed",
     "powered",
@@ -144,6 +145,17 @@ def axis_servo_step(
     return AxisServoState(
         s.offset, counts, angle, rate, load, current_integral, speed_integral, speed_reference, current_reference,
         voltage, next_speed, next_current, next_voltage, s.law,
+    )  # fmt: skip
+
+
+@loop(error_model="numpy", forceinline=True)
+def current_between(params: AxisServoParams, state: AxisServoState, current: float) -> AxisServoState:
+    """`axis_servo_step` at a step that is no sample of the outer loops."""
+    s = state
+    next_voltage, integral = current_step(params.current, s.current_integral, s.current_reference, current, s.rate)
+    return AxisServoState(
+        s.offset, s.counts, s.angle, s.rate, s.load, integral, s.speed_integral, s.speed_reference,
+        s.current_reference, s.next_voltage, s.next_speed, s.next_current, next_voltage, s.law,
     )  # fmt: skip
 
 

@@ -19,6 +19,7 @@ __all__ = [
     "QuadratureState",
     "decode_levels",
     "fault_levels",
+    "healthy_step",
     "line_levels",
     "quadrature_step",
 ]
@@ -150,6 +151,13 @@ def quadrature_step(
     if quarter == state.quarter:
         return state
     return _jump(params, state, quarter)
+
+
+@loop(error_model="numpy", forceinline=True)
+def healthy_step(params: QuadratureParams, state: QuadratureState, angle: float) -> QuadratureState:
+    """`quadrature_step` after another one without a fault, where there is none now either."""
+    quarter = math.floor(angle * params.quarters_per_rad)
+    return state if quarter == state.quarter else _jump(params, state, quarter)
 
 
 @loop(error_model="numpy", forceinline=True)
