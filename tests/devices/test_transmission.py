@@ -242,14 +242,12 @@ def test_a_gear_at_rest_holds_whatever_it_can(side: float, efficiency: float, co
 
 
 @given(st.lists(st.tuples(speeds, st.floats(-2.0, 2.0)), max_size=100), efficiencies)
-def test_friction_and_gear_never_give_energy(history: list[tuple[float, float]], efficiency: float) -> None:
-    gear, params, held, lost = Gear(1.0, efficiency).params(), STICKY.stiction(INERTIA, DT, efficiency), 0.0, 0.0
+def test_a_slipping_shaft_and_its_gear_take_power(history: list[tuple[float, float]], efficiency: float) -> None:
+    gear, params, held = Gear(1.0, efficiency).params(), STICKY.stiction(INERTIA, DT, efficiency), 0.0
     for speed, motor in history:
         torque, held = geared_step(params, gear, held, motor, speed)
-        if abs(speed) > 50.0:  # slipping
+        if abs(speed) > 50.0:
             assert (motor - torque) * speed >= -1e-9
-        lost += abs(held)
-    assert math.isfinite(lost)
 
 
 @given(st.floats(0.0, 0.95))

@@ -80,9 +80,8 @@ def stribeck(rise: float, per_stribeck: float, speed: float) -> float:
 @loop
 def friction_torque(params: FrictionParams, speed: float) -> float:
     """Torque (N m) that opposes the motion, to be subtracted: `B w + T_c w / sqrt(w^2 + e^2)`, T_c by `stribeck`."""
-    coulomb = select(speed > 0.0, params.coulomb_positive, params.coulomb_negative)
-    if params.rise > 0.0:
-        coulomb *= stribeck(params.rise, params.per_stribeck, speed)
+    grown = stribeck(params.rise, params.per_stribeck, speed)
+    coulomb = grown * select(speed > 0.0, params.coulomb_positive, params.coulomb_negative)
     sign = speed / math.sqrt(speed * speed + params.smoothing * params.smoothing)
     return params.viscous * speed + coulomb * sign
 

@@ -185,7 +185,7 @@ def _load_encoder(axis: ServoAxis, encoder: Encoder) -> EncoderParams:
 def _watch_params(
     axis: ServoAxis, friction: Friction, dt: float, resistance_error: float, encoder: Encoder
 ) -> DriveWatchParams:
-    coulomb = max(friction.coulomb_positive, friction.coulomb_negative)
+    most = max(friction.coulomb_positive, friction.coulomb_negative) * friction.static_ratio  # at rest
     return DriveWatchParams(
         dt=dt,
         resolution=encoder.resolution,
@@ -203,7 +203,7 @@ def _watch_params(
         max_voltage=axis.max_voltage,
         bad_frames=BAD_FRAMES,
         acceleration_per_ampere=axis.torque_constant / axis.inertia,
-        friction_current=coulomb / axis.torque_constant,
+        friction_current=most / axis.torque_constant,
     )
 
 
