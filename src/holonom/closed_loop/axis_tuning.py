@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from holonom.arrays import Array
 from holonom.closed_loop.axis import AxisRun, simulate_axis
@@ -250,7 +251,6 @@ def trapezoid(size: float, speed: float, acceleration: float, dt: float) -> Arra
 
 
 def _verified(size: float, step: AxisRun, move: AxisRun, thermal: ThermalModel | None) -> Verified:
-    outside = np.flatnonzero(np.abs(step.position - size) > SETTLED * size)
     at_rest = step.position[-round(0.1 / (step.time[1] - step.time[0])) :]
     temperature = None
     if thermal is not None:
@@ -261,7 +261,7 @@ def _verified(size: float, step: AxisRun, move: AxisRun, thermal: ThermalModel |
             temperature = math.inf
     return Verified(
         overshoot_percent=100.0 * max(float(step.position.max()) / size - 1.0, 0.0),
-        settling_time=_settling(step.time, outside),
+        settling_time=_settling(step.time, np.abs(step.position - size) > SETTLED * size),
         end_error=float(abs(step.position[-1] - size)),
         following_error=float(np.abs(move.position - move.reference).max()),
         peak_current=float(np.abs(move.current).max()),
@@ -271,11 +271,11 @@ def _verified(size: float, step: AxisRun, move: AxisRun, thermal: ThermalModel |
     )
 
 
-def _settling(time: Array, outside: Array) -> float:
+def _settling(time: Array, outside: NDArray[np.bool_]) -> float:
     """Time of the last sample outside of the band, s; infinite where that is the last one of all."""
-    if not len(outside):
+    if not outside.any():
         return 0.0
-    return math.inf if outside[-1] == len(time) - 1 else float(time[outside[-1]])
+    return math.inf if outside[-1] else float(time[outside][-1])
 
 
 def _restless(axis: Axis, size: float, gains: CascadeGains, verified: Verified) -> list[DesignWarning]:
@@ -285,14 +285,15 @@ def _restless(axis: Axis, size: float, gains: CascadeGains, verified: Verified) 
         text = f"a step of {size:g} rad ends {verified.end_error:.4g} rad off; {band:.4g} rad count as settled"
         found.append(DesignWarning("not_settled", text, verified.end_error, band))
     if verified.position_ripple > band:
-        text = f"after a step of {size:g} rad it swings by {verified.position_ripple:.4g} rad; up to {band:.4g} rad is rest"
+        swing = verified.position_ripple
+        text = f"after a step of {size:g} rad it swings by {swing:.4g} rad; up to {band:.4g} rad is rest"
         found.append(DesignWarning("position_ripple", text, verified.position_ripple, band))
     crossing, swings = gains.speed_margin.crossover, math.sqrt(axis.stiffness / axis.load.inertia)
     if crossing > swings:
         text = (
-            f"with the motor held, the load swings at {swings:.4g} rad/s; the speed loop crosses at {crossing:.4g} rad/s, "
-            f"and its margin is that of a stiff axis: {axis.load.inertia * crossing**2:.4g} N m/rad are needed, or a "
-            "slower loop (longer sample times)"
+            f"with the motor held, the load swings at {swings:.4g} rad/s; the speed loop crosses at {crossing:.4g} "
+            f"rad/s, and its margin is that of a stiff axis: {axis.load.inertia * crossing**2:.4g} N m/rad are needed, "
+            "or a slower loop (longer sample times)"
         )
         found.append(DesignWarning("resonance", text, crossing, swings))
     return found

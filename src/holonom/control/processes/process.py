@@ -59,7 +59,8 @@ class Process:
         num, den = (np.trim_zeros(np.array(p, dtype=float), "f") for p in (self.num, self.den))
         if not (len(num) and len(den) and np.isfinite(num).all() and np.isfinite(den).all()):
             raise ModelError(
-                f"process: num is {[*map(float, self.num)]}, den {[*map(float, self.den)]}; both need finite numbers, not all 0"
+                f"process: num is {[*map(float, self.num)]}, den {[*map(float, self.den)]}; both need finite numbers, "
+                "not all 0"
             )
         sizes = np.abs(np.concatenate([num[num != 0.0], den[den != 0.0]]))
         if len(den) > ORDER + 1 or sizes.max() > MOST**3 * sizes.min():
