@@ -14,6 +14,7 @@ from holonom.control import (
     acceleration_params,
     acceleration_step,
     current_step,
+    least_inertia,
     torque_to_current,
 )
 from holonom.devices import (
@@ -170,3 +171,14 @@ def test_more_bandwidth_means_less_error() -> None:
     axis, _ = puma_axis(1)
     errors = [abs(track(axis, acceleration_params(w, 1e-3), wave(2.0), model=0.8)).max() for w in (15, 30, 60)]
     assert all(later < 0.7 * earlier for earlier, later in pairwise(errors))
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_an_inertia_below_the_least_is_unstable(seed: int) -> None:
+    """By the roots of the error equation, of any gains; a triple pole bears a ninth."""
+    rng, dt = np.random.default_rng(seed), 1e-3
+    kp, kv, ki = rng.uniform(1.0, 100.0, 3)
+    least = least_inertia(AccelerationParams(kp, kv, ki * dt, math.inf), dt)
+    for part, stable in ((1.001 * least, True), (0.999 * least, False)):
+        assert (np.roots([1.0, part * kv, part * kp, part * ki]).real.max() < 0.0) == stable
+    assert least_inertia(acceleration_params(rng.uniform(1.0, 90.0), dt), dt) == pytest.approx(1.0 / 9.0)

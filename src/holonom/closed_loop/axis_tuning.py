@@ -269,7 +269,6 @@ def trapezoid(size: float, speed: float, acceleration: float, dt: float) -> Arra
 
 
 def _verified(size: float, step: AxisRun, move: AxisRun, thermal: ThermalModel | None) -> Verified:
-    outside = np.flatnonzero(np.abs(step.position - size) > SETTLED * size)
     at_rest = step.position[-round(0.1 / (step.time[1] - step.time[0])) :]
     temperature = None
     if thermal is not None:
@@ -280,7 +279,7 @@ def _verified(size: float, step: AxisRun, move: AxisRun, thermal: ThermalModel |
             temperature = math.inf
     return Verified(
         overshoot_percent=100.0 * max(float(step.position.max()) / size - 1.0, 0.0),
-        settling_time=_settling(step.time, outside),
+        settling_time=_settling(step.time, np.abs(step.position - size) > SETTLED * size),
         end_error=float(abs(step.position[-1] - size)),
         following_error=float(np.abs(move.position - move.reference).max()),
         peak_current=float(np.abs(move.current).max()),
@@ -290,11 +289,15 @@ def _verified(size: float, step: AxisRun, move: AxisRun, thermal: ThermalModel |
     )
 
 
+<<<<<<< HEAD
 def _settling(time: Array, outside: NDArray[np.integer[Any]]) -> float:
+=======
+def _settling(time: Array, outside: NDArray[np.bool_]) -> float:
+>>>>>>> 1ed83ef487e3b357aa6617ab3435cd508d5fcdfa
     """Time of the last sample outside of the band, s; infinite where that is the last one of all."""
-    if not len(outside):
+    if not outside.any():
         return 0.0
-    return math.inf if outside[-1] == len(time) - 1 else float(time[outside[-1]])
+    return math.inf if outside[-1] else float(time[outside][-1])
 
 
 def _restless(axis: Axis, size: float, gains: CascadeGains | ServoGains, verified: Verified) -> list[DesignWarning]:
@@ -304,8 +307,13 @@ def _restless(axis: Axis, size: float, gains: CascadeGains | ServoGains, verifie
         text = f"a step of {size:g} rad ends {verified.end_error:.4g} rad off; {band:.4g} rad count as settled"
         found.append(DesignWarning("not_settled", text, verified.end_error, band))
     if verified.position_ripple > band:
+<<<<<<< HEAD
         ripple = verified.position_ripple
         text = f"after a step of {size:g} rad it swings by {ripple:.4g} rad; {band:.4g} rad count as rest"
+=======
+        swing = verified.position_ripple
+        text = f"after a step of {size:g} rad it swings by {swing:.4g} rad; up to {band:.4g} rad is rest"
+>>>>>>> 1ed83ef487e3b357aa6617ab3435cd508d5fcdfa
         found.append(DesignWarning("position_ripple", text, verified.position_ripple, band))
     crossing, swings = _crossover(gains), math.sqrt(axis.stiffness / axis.load.inertia)
     if crossing > swings:

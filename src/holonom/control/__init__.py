@@ -19,6 +19,8 @@ Verbs that make their params:
 `acceleration_params`    a bandwidth to the gains of the computed-torque law; `greatest_bandwidth` at a sample time
 `SERVOS`                 servos beside it, a `Servo` each: one, two, three loops, PD, notch, ...
 `remaining_errors`       what a loop of some type number leaves of steps, ramps, parabolas
+`acceleration_params`    a bandwidth to the gains of the computed-torque law; `greatest_bandwidth` at a sample time,
+                         `least_inertia` of its model
 `AxisLimits`             limits; `Violation` names them, `drive_fault` words the stop
 =======================  =======================================================================
 
@@ -56,14 +58,18 @@ from holonom.control.processes import (
     Guide,
     Process,
     Tuning,
+    closed_step,
     identify_relay,
     identify_step,
+    largest_gain,
     loop_figures,
     make_process,
     open_loop,
     recommend,
     relay_cycle,
+    sampled_limits,
     sampled_margin,
+    sampled_step,
     step_info,
     step_response,
     tune_process,
@@ -78,7 +84,7 @@ from holonom.control.servo.cascade import (
     design_cascade,
     open_loops,
 )
-from holonom.control.servo.computed_torque import acceleration_params, greatest_bandwidth
+from holonom.control.servo.computed_torque import acceleration_params, greatest_bandwidth, least_inertia
 from holonom.control.servo.kernels import (
     AccelerationParams,
     CurrentParams,
@@ -143,12 +149,15 @@ __all__ = [
     "acceleration_params",
     "acceleration_step",
     "axis_violation",
+    "closed_step",
     "current_step",
     "design_cascade",
     "drive_fault",
     "greatest_bandwidth",
     "identify_relay",
     "identify_step",
+    "largest_gain",
+    "least_inertia",
     "loop_figures",
     "make_process",
     "open_loop",
@@ -160,7 +169,9 @@ __all__ = [
     "relay_cycle",
     "remaining_errors",
     "respond",
+    "sampled_limits",
     "sampled_margin",
+    "sampled_step",
     "speed_step",
     "step_info",
     "step_response",

@@ -49,7 +49,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """`simulate_axis` closes a loop, which nothing here may; this is where one looks for it."""
-    if name == "simulate_axis":
-        return import_module("holonom.closed_loop").simulate_axis
+    """`simulate_axis` closes a loop, which nothing here may; this is where one looks for it, and for its faults."""
+    if name in ("AxisFault", "simulate_axis"):
+        return getattr(import_module("holonom.closed_loop"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

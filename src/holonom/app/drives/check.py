@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from holonom.app.console.answer import Answer
-from holonom.app.drives.files import AxisFile, read_axis
+from holonom.app.drives.files import AxisFile, is_other_motor, read_axis
+from holonom.app.drives.other_motors import check_other_motor
 from holonom.devices import DcMotor, Finding, best_ratio, check_sheet
 from holonom.devices.motors.sheet_check import CONTRADICTION, NOTE, WARNING
 from holonom.errors import InputError
@@ -34,6 +35,8 @@ def check_drive(path: Path) -> Answer:
     ModelError
         What cannot be read, a line for each fault.
     """
+    if is_other_motor(path):
+        return check_other_motor(path)
     axis = read_axis(path)
     checked = check_sheet(axis.motor.sheet)
     findings = [*checked.findings, *_axis(axis)]

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 
+from holonom.app.drives.other_motors import other_motor
 from holonom.app.drives.values import ALSO, PlainOrQuantity, sheet_table
 from holonom.app.fields.quantities import Section
 from holonom.app.fields.toml_faults import line_of, parse_toml, worded_faults
@@ -18,7 +19,16 @@ from holonom.errors import InputError, ModelError
 from holonom.files import read_text
 from holonom.registry import parameters_of
 
-__all__ = ["AxisFile", "SupplyTable", "is_cell", "is_drive", "read_axis", "read_model", "written_motor"]
+__all__ = [
+    "AxisFile",
+    "SupplyTable",
+    "is_cell",
+    "is_drive",
+    "is_other_motor",
+    "read_axis",
+    "read_model",
+    "written_motor",
+]
 
 
 CELL = frozenset({"arm", "base", "robot"})
@@ -108,6 +118,11 @@ class AxisFile:
 def is_drive(path: Path) -> bool:
     """Whether a TOML file has a table `[motor]` at its top, which no cell has; what cannot be read is none."""
     return isinstance(_tables(path).get("motor"), dict)
+
+
+def is_other_motor(path: Path) -> bool:
+    """Whether its table `[motor]` is that of a synchronous, stepping or induction motor."""
+    return other_motor(_tables(path).get("motor")) is not None
 
 
 def is_cell(path: Path) -> bool:

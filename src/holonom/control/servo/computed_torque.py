@@ -7,12 +7,21 @@ import math
 from holonom.control.servo.kernels import AccelerationParams
 from holonom.errors import OutOfLimits
 
-__all__ = ["acceleration_params", "greatest_bandwidth"]
+__all__ = ["acceleration_params", "greatest_bandwidth", "least_inertia"]
 
 
 def greatest_bandwidth(dt: float) -> float:
     """Return the greatest bandwidth (rad/s) of the law at a sample time, s: a tenth of a radian per sample."""
     return 0.1 / dt
+
+
+def least_inertia(params: AccelerationParams, dt: float) -> float:
+    """Return the part of the true inertia that the model may have at least: below, the loop is unstable.
+
+    With a times the true inertia in the model, `s^3 + a (k_v s^2 + k_p s + k_i)` is stable for `a k_v k_p > k_i`
+    (Routh); of a triple pole that is 1/9. Continuous: sampling at `dt` (s), the law's own, costs a little more.
+    """
+    return params.integral_gain / dt / (params.speed_gain * params.position_gain)
 
 
 def acceleration_params(

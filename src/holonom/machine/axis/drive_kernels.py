@@ -104,8 +104,10 @@ def _look(
 def _home(
     params: AxisDriveParams, state: AxisDriveState, phase: int, found: int, k: int, seen: AxisSignals, held: float
 ) -> tuple[int, int, HomingState, AxisServoState, float]:
-    """A step of the homing: phase, what is wrong, its state, the servo (which knows its zero once it is done), and the
-    angle that is held, which goes ahead at the homing's speed.
+    """A step of the homing.
+
+    Phase, what is wrong, its state, the servo (which knows its zero once it is done), and the angle that is held, which
+    goes ahead at the homing's speed.
     """
     p, s, homing, servo = params, state, state.homing, state.servo
     if phase != HOMING:
