@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -289,11 +289,7 @@ def _verified(size: float, step: AxisRun, move: AxisRun, thermal: ThermalModel |
     )
 
 
-<<<<<<< HEAD
-def _settling(time: Array, outside: NDArray[np.integer[Any]]) -> float:
-=======
 def _settling(time: Array, outside: NDArray[np.bool_]) -> float:
->>>>>>> 1ed83ef487e3b357aa6617ab3435cd508d5fcdfa
     """Time of the last sample outside of the band, s; infinite where that is the last one of all."""
     if not outside.any():
         return 0.0
@@ -307,13 +303,8 @@ def _restless(axis: Axis, size: float, gains: CascadeGains | ServoGains, verifie
         text = f"a step of {size:g} rad ends {verified.end_error:.4g} rad off; {band:.4g} rad count as settled"
         found.append(DesignWarning("not_settled", text, verified.end_error, band))
     if verified.position_ripple > band:
-<<<<<<< HEAD
-        ripple = verified.position_ripple
-        text = f"after a step of {size:g} rad it swings by {ripple:.4g} rad; {band:.4g} rad count as rest"
-=======
         swing = verified.position_ripple
         text = f"after a step of {size:g} rad it swings by {swing:.4g} rad; up to {band:.4g} rad is rest"
->>>>>>> 1ed83ef487e3b357aa6617ab3435cd508d5fcdfa
         found.append(DesignWarning("position_ripple", text, verified.position_ripple, band))
     crossing, swings = _crossover(gains), math.sqrt(axis.stiffness / axis.load.inertia)
     if crossing > swings:
