@@ -132,8 +132,8 @@ def drive_between(params: AxisDriveParams, state: AxisDriveState, measured: floa
     s = state
     current = measured - s.zero
     return AxisDriveState(
-        current_between(params.servo, s.servo, current), s.watch, s.index_state, s.homing, s.phase, s.steps + 1, s.place, s.rate,
-        s.held, s.category, s.voltages + s.servo.voltage, s.currents + current, s.usual, s.zero, s.checked,
+        current_between(params.servo, s.servo, current), s.watch, s.index_state, s.homing, s.phase, s.steps + 1,
+        s.place, s.rate, s.held, s.category, s.voltages + s.servo.voltage, s.currents + current, s.usual, s.zero, s.checked,
         s.checked_count, s.brake, s.power, s.found, s.first,
     )  # fmt: skip
 
