@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from holonom.devices.motors.kernels import ArmatureParams, armature_step
+from holonom.devices.motors.kernels import ArmatureParams
 from holonom.devices.transmission.kernels import sliding_speed
 from holonom.trace.code.loops import loop
 
@@ -57,18 +57,24 @@ def axis_step(
 
     The gear's loss is friction that grows with the torque it carries: the motor feels T / eta while it drives,
     T eta while it is driven back, and anything between at standstill.
+
+    What does not wait for the new current is summed up first (`early`): each step waits for the one before, and the
+    order of the sums is what a run's time depends on.
     """
-    p = params
-    current = armature_step(p.armature, state.current, voltage, state.speed) if conducts else 0.0
-    drive = p.torque_constant * 0.5 * (state.current + current)
+    p, a = params, params.armature
+    supplied = min(max(voltage, -a.max_voltage), a.max_voltage)
+    alone = a.decay * state.current + (1.0 - a.decay) * a.conductance * supplied  # `armature_step`, but for its end
+    current = alone - (1.0 - a.decay) * a.conductance * a.back_emf * state.speed if conducts else 0.0
+    half = 0.5 * p.torque_constant
     loss = p.lost * abs(state.torque)
     if p.rigid:
-        rubbing = p.mean * p.load_coulomb + loss + brake
-        push = drive - p.mean * load - (p.viscous + p.mean * p.load_viscous) * state.speed
+        held = p.mean * p.load_coulomb + brake
+        push = half * state.current - p.mean * load - (p.viscous + p.mean * p.load_viscous) * state.speed
+        early = state.speed + p.per_torque * push
         speed = sliding_speed(
-            state.speed, push, p.coulomb_positive + rubbing, p.coulomb_negative + rubbing, p.per_torque
+            early, half * current, p.coulomb_positive + held + loss, p.coulomb_negative + held + loss, p.per_torque
         )
-        carried = load + p.load_viscous * speed + (speed - state.speed) / p.load_per_torque
+        carried = load + p.load_viscous * speed + (speed - state.speed) * (1.0 / p.load_per_torque)
         if speed != 0.0:
             carried += math.copysign(p.load_coulomb, speed)
         angle = state.angle + p.dt * speed
@@ -80,9 +86,10 @@ def axis_step(
         torque = max(p.stiffness * (twist - p.half_gap + p.dt * rate) + p.damping * rate, 0.0)
     elif twist < -p.half_gap:
         torque = min(p.stiffness * (twist + p.half_gap + p.dt * rate) + p.damping * rate, 0.0)
-    push = drive - p.mean * torque - p.viscous * state.speed
-    rubbing = loss + brake
-    speed = sliding_speed(state.speed, push, p.coulomb_positive + rubbing, p.coulomb_negative + rubbing, p.per_torque)
+    early = state.speed + p.per_torque * (half * state.current - p.mean * torque - p.viscous * state.speed)
+    speed = sliding_speed(
+        early, half * current, p.coulomb_positive + brake + loss, p.coulomb_negative + brake + loss, p.per_torque
+    )
     pull = torque - load - p.load_viscous * state.load_speed
     load_speed = sliding_speed(state.load_speed, pull, p.load_coulomb, p.load_coulomb, p.load_per_torque)
     return AxisState(
