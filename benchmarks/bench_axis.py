@@ -1,4 +1,4 @@
-"""One axis at 10 kHz with its three loops, beside a MuJoCo step of a like hinge that a motor with back-emf turns."""
+"""One axis at 10 kHz with its three loops, beside a MuJoCo step of a hinge that a like DC motor turns."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from holonom.sim import Axis, Load, simulate_axis
 RE40 = DcMotor(1.13, 0.33e-3, 0.0603, 0.0603, 1.37e-5, 48.0, 10.0, 0.0686)
 AXIS = Axis(RE40, Load(3e-5, coulomb=0.002), Encoder(2000), friction=Friction(0.0, 0.004, 0.004))
 STEP = 1e-4
+FRICTION = 0.006  # N m, of rotor and load
 HINGE = """
 <mujoco>
   <option timestep="{step}" gravity="0 0 0"><flag contact="disable"/></option>
@@ -25,17 +26,21 @@ HINGE = """
     <inertial pos="0 0 0" mass="0.1" diaginertia="{load} {load} {load}"/>
   </body></worldbody>
   <actuator>
-    <general name="motor" joint="axis" gainprm="{gain}" biastype="affine" biasprm="0 0 {damping}"
-      dyntype="filter" dynprm="{lag}" ctrllimited="true" ctrlrange="-{supply} {supply}"/>
+    {actuator}
   </actuator>
 </mujoco>
 """
-"""Voltage through the lag L/R to torque, back-emf as damping: what a general actuator makes of a DC motor."""
+MOTORS = (
+    # from MuJoCo 4 on; before, voltage through the lag L/R to torque, back-emf as damping
+    '<dcmotor joint="axis" motorconst="{constant}" resistance="{resistance}" inductance="{inductance}"/>',
+    '<general joint="axis" gainprm="{gain}" biastype="affine" biasprm="0 0 {damping}" dyntype="filter" '
+    'dynprm="{lag}"/>',
+)
 
 
 def measure(setting: Setting) -> list[Figure]:
     """Steps of 1 rad to and fro each second: rigid and with backlash, watched and not; times of a step."""
-    samples = 100 if setting.small else 10_000
+    samples = 100 if setting.small else 100_000
     reference = np.where((np.arange(samples) // 1000) % 2 == 0, 1.0, 0.0)
     gains = design_cascade(AXIS.servo_axis())
     theirs = _mujoco(setting, samples)
@@ -60,16 +65,17 @@ def _mujoco(setting: Setting, samples: int) -> float | None:
     mujoco = peer("mujoco")
     if mujoco is None:
         return None
-    k, R = RE40.torque_constant, RE40.resistance
+    k, R, L = RE40.torque_constant, RE40.resistance, RE40.inductance
+    motor = MOTORS[0 if int(mujoco.__version__.split(".")[0]) >= 4 else 1].format(
+        constant=k, resistance=R, inductance=L, gain=k / R, damping=-k * k / R, lag=L / R
+    )
     model = mujoco.MjModel.from_xml_string(
-        HINGE.format(
-            step=STEP, armature=RE40.rotor_inertia, friction=0.006, load=AXIS.load.inertia, gain=k / R,
-            damping=-k * RE40.back_emf_constant / R, lag=RE40.inductance / R, supply=RE40.max_voltage,
-        )
-    )  # fmt: skip
+        HINGE.format(step=STEP, armature=RE40.rotor_inertia, friction=FRICTION, load=AXIS.load.inertia, actuator=motor)
+    )
     data = mujoco.MjData(model)
     data.ctrl[0] = 5.0
     mujoco.mj_step(model, data, 5000)
-    settled = (5.0 - 0.006 * R / k) / RE40.back_emf_constant
+    settled = (5.0 - FRICTION * R / k) / k
     assert math.isclose(data.qvel[0], settled, rel_tol=0.02), (data.qvel[0], settled)
-    return seconds(lambda: mujoco.mj_step(model, data, samples), setting, rounds=9) / samples
+    steps = samples // 10
+    return seconds(lambda: mujoco.mj_step(model, data, steps), setting, rounds=9) / steps

@@ -133,8 +133,8 @@ def drive_between(params: AxisDriveParams, state: AxisDriveState, measured: floa
     current = measured - s.zero
     return AxisDriveState(
         current_between(params.servo, s.servo, current), s.watch, s.index_state, s.homing, s.phase, s.steps + 1,
-        s.place, s.rate, s.held, s.category, s.voltages + s.servo.voltage, s.currents + current, s.usual, s.zero, s.checked,
-        s.checked_count, s.brake, s.power, s.found, s.first,
+        s.place, s.rate, s.held, s.category, s.voltages + s.servo.voltage, s.currents + current, s.usual, s.zero,
+        s.checked, s.checked_count, s.brake, s.power, s.found, s.first,
     )  # fmt: skip
 
 
@@ -144,8 +144,8 @@ def drive_place(state: AxisDriveState, reference: Array) -> AxisDriveState:
     s = state
     place = min(s.place + 1.0, reference.shape[1] - 1.0)
     return AxisDriveState(
-        s.servo, s.watch, s.index_state, s.homing, s.phase, s.steps, place, 1.0, s.held, s.category, s.voltages, s.currents,
-        s.usual, s.zero, s.checked, s.checked_count, s.brake, s.power, s.found, s.first,
+        s.servo, s.watch, s.index_state, s.homing, s.phase, s.steps, place, 1.0, s.held, s.category, s.voltages,
+        s.currents, s.usual, s.zero, s.checked, s.checked_count, s.brake, s.power, s.found, s.first,
     )  # fmt: skip
 
 

@@ -8,8 +8,11 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from holonom.devices.motors.kernels import ArmatureParams, armature_step
-from holonom.devices.transmission.kernels import sliding_speed, stribeck
+        held = p.mean * p.load_coulomb + brake + loss
+        push = half * state.current - p.mean * load - (p.viscous + p.mean * p.load_viscous) * state.speed
+        early = state.speed + p.per_torque * push
+        speed = sliding_speed(early, half * current, positive + held, negative + held, p.per_torque)
+        carried = load + p.load_viscous * speed + (speed - state.speed) * (1.0 / p.load_per_torque)
 from holonom.trace.code.loops import loop
 
 __all__ = ["AxisPlantParams", "AxisState", "axis_step"]
@@ -59,20 +62,24 @@ def axis_step(
 
     The gear's loss is friction that grows with the torque it carries: the motor feels T / eta while it drives,
     T eta while it is driven back, and anything between at standstill.
+
+    What does not wait for the new current is summed up first (`early`): each step waits for the one before, and the
+    order of the sums is what a run's time depends on.
     """
-    p = params
-    current = armature_step(p.armature, state.current, voltage, state.speed) if conducts else 0.0
-    drive = p.torque_constant * 0.5 * (state.current + current)
+    p, a = params, params.armature
+    supplied = min(max(voltage, -a.max_voltage), a.max_voltage)
+    alone = a.decay * state.current + (1.0 - a.decay) * a.conductance * supplied  # `armature_step`, but for its end
+    current = alone - (1.0 - a.decay) * a.conductance * a.back_emf * state.speed if conducts else 0.0
+    half = 0.5 * p.torque_constant
     loss = p.lost * abs(state.torque)
     positive, negative = p.coulomb_positive, p.coulomb_negative
     if p.rise > 0.0:
         grown = stribeck(p.rise, p.per_stribeck, state.speed)
         positive, negative = grown * positive, grown * negative
     if p.rigid:
-        rubbing = p.mean * p.load_coulomb + loss + brake
-        push = drive - p.mean * load - (p.viscous + p.mean * p.load_viscous) * state.speed
-        speed = sliding_speed(state.speed, push, positive + rubbing, negative + rubbing, p.per_torque)
-        carried = load + p.load_viscous * speed + (speed - state.speed) / p.load_per_torque
+    early = state.speed + p.per_torque * (half * state.current - p.mean * torque - p.viscous * state.speed)
+    held = brake + loss
+    speed = sliding_speed(early, half * current, positive + held, negative + held, p.per_torque)
         if speed != 0.0:
             carried += math.copysign(p.load_coulomb, speed)
         angle = state.angle + p.dt * speed
@@ -84,9 +91,16 @@ def axis_step(
         torque = max(p.stiffness * (twist - p.half_gap + p.dt * rate) + p.damping * rate, 0.0)
     elif twist < -p.half_gap:
         torque = min(p.stiffness * (twist + p.half_gap + p.dt * rate) + p.damping * rate, 0.0)
+<<<<<<< HEAD
     push = drive - p.mean * torque - p.viscous * state.speed
     rubbing = loss + brake
     speed = sliding_speed(state.speed, push, positive + rubbing, negative + rubbing, p.per_torque)
+=======
+    early = state.speed + p.per_torque * (half * state.current - p.mean * torque - p.viscous * state.speed)
+    speed = sliding_speed(
+        early, half * current, p.coulomb_positive + brake + loss, p.coulomb_negative + brake + loss, p.per_torque
+    )
+>>>>>>> 1cd77e3f2cdfd674b1053da6dde5b543952280e0
     pull = torque - load - p.load_viscous * state.load_speed
     load_speed = sliding_speed(state.load_speed, pull, p.load_coulomb, p.load_coulomb, p.load_per_torque)
     return AxisState(
