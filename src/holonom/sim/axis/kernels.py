@@ -8,11 +8,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-        held = p.mean * p.load_coulomb + brake + loss
-        push = half * state.current - p.mean * load - (p.viscous + p.mean * p.load_viscous) * state.speed
-        early = state.speed + p.per_torque * push
-        speed = sliding_speed(early, half * current, positive + held, negative + held, p.per_torque)
-        carried = load + p.load_viscous * speed + (speed - state.speed) * (1.0 / p.load_per_torque)
+from holonom.devices.motors.kernels import ArmatureParams
+from holonom.devices.transmission.kernels import sliding_speed, stribeck
 from holonom.trace.code.loops import loop
 
 __all__ = ["AxisPlantParams", "AxisState", "axis_step"]
@@ -77,9 +74,11 @@ def axis_step(
         grown = stribeck(p.rise, p.per_stribeck, state.speed)
         positive, negative = grown * positive, grown * negative
     if p.rigid:
-    early = state.speed + p.per_torque * (half * state.current - p.mean * torque - p.viscous * state.speed)
-    held = brake + loss
-    speed = sliding_speed(early, half * current, positive + held, negative + held, p.per_torque)
+        held = p.mean * p.load_coulomb + brake + loss
+        push = half * state.current - p.mean * load - (p.viscous + p.mean * p.load_viscous) * state.speed
+        early = state.speed + p.per_torque * push
+        speed = sliding_speed(early, half * current, positive + held, negative + held, p.per_torque)
+        carried = load + p.load_viscous * speed + (speed - state.speed) * (1.0 / p.load_per_torque)
         if speed != 0.0:
             carried += math.copysign(p.load_coulomb, speed)
         angle = state.angle + p.dt * speed
@@ -91,16 +90,9 @@ def axis_step(
         torque = max(p.stiffness * (twist - p.half_gap + p.dt * rate) + p.damping * rate, 0.0)
     elif twist < -p.half_gap:
         torque = min(p.stiffness * (twist + p.half_gap + p.dt * rate) + p.damping * rate, 0.0)
-<<<<<<< HEAD
-    push = drive - p.mean * torque - p.viscous * state.speed
-    rubbing = loss + brake
-    speed = sliding_speed(state.speed, push, positive + rubbing, negative + rubbing, p.per_torque)
-=======
     early = state.speed + p.per_torque * (half * state.current - p.mean * torque - p.viscous * state.speed)
-    speed = sliding_speed(
-        early, half * current, p.coulomb_positive + brake + loss, p.coulomb_negative + brake + loss, p.per_torque
-    )
->>>>>>> 1cd77e3f2cdfd674b1053da6dde5b543952280e0
+    held = brake + loss
+    speed = sliding_speed(early, half * current, positive + held, negative + held, p.per_torque)
     pull = torque - load - p.load_viscous * state.load_speed
     load_speed = sliding_speed(state.load_speed, pull, p.load_coulomb, p.load_coulomb, p.load_per_torque)
     return AxisState(
