@@ -56,6 +56,7 @@ EXTRAS: Mapping[str, Extra] = {
             "roboticstoolbox": "roboticstoolbox-python",
             "toppra": "toppra",
             "mujoco": "mujoco",
+            "gym_electric_motor": "gym-electric-motor",
         },
     ),
     "check": Extra(
