@@ -19,11 +19,11 @@ CELL = Path(__file__).parents[1] / "examples" / "01_sort_coins" / "cell.toml"
 
 
 def measure(setting: Setting) -> list[Figure]:
-    figures = [_against_real_time(controller, setting) for controller in ("cascade", "computed_torque")]
+    figures = [against_real_time(controller, setting) for controller in ("cascade", "computed_torque")]
     return figures if setting.small else [*figures, *_demo()]
 
 
-def _against_real_time(controller: str, setting: Setting) -> Figure:
+def against_real_time(controller: str, setting: Setting) -> Figure:
     """Current loop at 10 kHz, speed loop at 2 kHz, position loop at 1 kHz, called in ticks of 10 ms as by a program."""
     arm = load_arm("puma560")
     q0, q1 = np.array([0.0, 0.7, -2.8, 0.0, 0.5, 0.0]), np.array([0.8, 0.3, -2.2, 0.6, 0.9, -0.8])

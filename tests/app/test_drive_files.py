@@ -176,6 +176,19 @@ def test_own_motors_gears_and_limits(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert "no motor makes it" in capsys.readouterr().out
 
 
+def test_a_sheet_that_contradicts_itself_is_not_selected_in_silence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = toml(tmp_path, {"cycle": {"angle": 1.0, "time": 0.5, "inertia": 0.01}})
+    sheet = "[[motor]]\nname = 'mine'\nU = 24\nn0 = 3000\nnN = 4000\nR = 1\nL = 1e-3\nkM = 0.05\nJ = 1e-5\nIN = 2\n"
+    path.write_text(path.read_text() + sheet, encoding="utf-8")
+    _, data = call(capsys, "select", path)
+    assert [warning["name"] for warning in data["warnings"]] == ["n0 below nN"]
+    assert data["warnings"][0]["text"].startswith("mine: n0 is 3000 rpm")
+    assert main(["select", str(path)]) == 0
+    assert "warning: n0 below nN: mine" in capsys.readouterr().out
+
+
 def test_a_cycle_of_samples(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rows = [[0.0, 0.0, 1.0], [1.0, 2.0, 1.0], [2.0, 0.0, -1.0]]
     _, data = call(capsys, "select", toml(tmp_path, {"cycle": {"samples": rows, "inertia": 0.1}}))

@@ -190,6 +190,8 @@ def test_a_step_becomes_a_process_that_can_be_tuned(tmp_path: Path, capsys: pyte
     assert answer(capsys, "tune", str(tmp_path / "process.toml"))["Ti"] == pytest.approx(14.0, rel=1e-5)
     assert main(["calibrate", "process", file, "--experiment", "step"]) == 0
     assert "lag_dead_time: gain 2, lag 14" in capsys.readouterr().out
+    other = log(tmp_path / "other.csv", t=t, input=np.where(t >= 5.0, 1.0, 0.0), output=y)
+    assert answer(capsys, "calibrate", "process", other, "--experiment", "step")["process"]["kind"] == "lag_dead_time"
 
 
 def test_a_relay_tells_its_own_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -215,7 +217,8 @@ def test_records_that_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[
     u, y = np.where(t >= 5.0, 1.0, 0.0), -np.expm1(-np.maximum(t - 8.0, 0.0))
     for columns, words, said in (
         ({"time": t, "u": u}, (), "1: columns time, u came; y missing"),
-        ({"t": t, "in": u, "out": y}, (), "1: columns t, in, out came; time, u, y missing"),
+        ({"when": t, "in": u, "out": y}, (), "1: columns when, in, out came; time, u, y missing"),
+        ({"t": t, "in": u, "out": y}, (), "1: columns t, in, out came; u, y missing"),
         ({"time": t[::-1], "u": u, "y": y}, (), "time must grow"),
         ({"time": t, "u": 0.0 * u, "y": y}, (), "the input never changes"),
         ({"time": t, "u": u, "y": y}, ("--experiment", "relay"), "switches up 1 times"),

@@ -19,7 +19,8 @@ from holonom.errors import CalibrationError, InputError, LogError
 __all__ = ["EXPERIMENTS", "calibrate_process"]
 
 EXPERIMENTS = ("step", "relay")
-COLUMNS = ("time", "u", "y")
+COLUMNS = {"time": ("time", "t", "time_s"), "u": ("u", "input"), "y": ("y", "output")}
+"""What a column is, and the names that it may have."""
 
 
 def calibrate_process(
@@ -29,7 +30,7 @@ def calibrate_process(
 
     Parameters
     ----------
-    log : CSV with columns `time` (s), `u` (input) and `y` (output).
+    log : CSV with columns `time` (s; or `t`, `time_s`), `u` (or `input`) and `y` (or `output`).
     experiment : "step", or any input that is held between its changes, from rest; "relay": it swings by a relay.
     kind : of model; None: the best one.
     hysteresis : of the relay, in units of the output.
@@ -40,17 +41,18 @@ def calibrate_process(
     InputError
         No such log, columns that are missing, times that do not grow, a record that tells nothing.
     """
-    table = read_table(log, needed=COLUMNS)
-    missing = [name for name in COLUMNS if name not in table.names]
+    table = read_table(log, needed={name for names in COLUMNS.values() for name in names})
+    named = {what: next((name for name in names if name in table.names), None) for what, names in COLUMNS.items()}
+    missing = [what for what, name in named.items() if name is None]
     if missing:
         came = ", ".join([*table.names, *table.ignored])
         raise LogError(
             f"{log}:1: columns {came} came; {', '.join(missing)} missing: time (s), u (input) and y (output)"
         )
-    t, u, y = (table.column(name) for name in COLUMNS)
+    t, u, y = (table.column(name) for name in named.values() if name is not None)
     if np.any(np.diff(t) <= 0.0):
         row = int(np.argmax(np.diff(t) <= 0.0)) + 1
-        table.fault(row, COLUMNS[0], f"{t[row]:g} s after {t[row - 1]:g} s; time must grow")
+        table.fault(row, str(named["time"]), f"{t[row]:g} s after {t[row - 1]:g} s; time must grow")
     try:
         data = (
             _relay(identify_relay(t, u, y, hysteresis=hysteresis, kind=kind))

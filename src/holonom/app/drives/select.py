@@ -13,7 +13,7 @@ from holonom.app.console.answer import Answer
 from holonom.app.drives.arm_cycle import cycles_of_cell, cycles_of_recording
 from holonom.app.drives.cycle_file import Candidates, read_cycle, standard_candidates
 from holonom.app.drives.files import is_cell
-from holonom.devices import Choice, LoadCycle, best_ratio, select_drive
+from holonom.devices import Choice, LoadCycle, best_ratio, check_sheet, select_drive
 from holonom.errors import InputError
 
 __all__ = ["select"]
@@ -52,6 +52,12 @@ def select(path: Path, *, joint: str | None = None, arm: str | None = None, quie
         told, text = _selected(asked.cycle, asked.candidates)
         data, lines = data | told, [*lines, *text]
     data["assumed"] = list(asked.candidates.assumed) if asked.cycle is not None else []
+    data["warnings"] = [
+        {"name": f.name, "text": f"{card.title}: {f.text}", "value": f.printed, "wanted": f.expected}
+        for card in asked.candidates.motors
+        for f in check_sheet(card.sheet).contradictions
+    ]
+    lines += [f"warning: {warning['name']}: {warning['text']}" for warning in data["warnings"]]
     return Answer("\n".join([*lines, *(f"assumed: {said}" for said in data["assumed"])]), data)
 
 

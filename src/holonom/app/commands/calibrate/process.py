@@ -16,7 +16,7 @@ __all__ = ["COMMAND", "Options", "run"]
 class Options:
     """A record, and what was done in it."""
 
-    log: Path = argument("CSV with columns time (s), u (input) and y (output)", metavar="LOG")
+    log: Path = argument("CSV with columns time (s; or t), u (or input) and y (or output)", metavar="LOG")
     experiment: str = option(MISSING, "what was done", choices="holonom.app.calibrate.process:EXPERIMENTS")
     kind: str | None = option(
         None, "of model, the best one unless given", choices="holonom.control.processes.identify:MODELS"
