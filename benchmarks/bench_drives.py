@@ -8,15 +8,14 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 
+import bench_axis
 import bench_regulators
 import bench_simulation
 import numpy as np
 from peers import peer
 
 from holonom.app.about.bench import Figure, Setting, seconds
-from holonom.control import design_cascade
-from holonom.devices import Dq, Encoder, Gear, Pmsm, PmsmParams, motor_card, pmsm_step, pmsm_torque, run_pmsm
-from holonom.sim import Axis, Load, simulate_axis
+from holonom.devices import Dq, Pmsm, PmsmParams, pmsm_step, pmsm_torque, run_pmsm
 from holonom.trace.code.loops import loop
 
 MOTOR = Pmsm(18e-3, 0.37e-3, 1.2e-3, 66e-3, 3, 0.03883, 300.0, 400.0)
@@ -37,43 +36,9 @@ def plant(params: PmsmParams, steps: int) -> float:
     return speed
 
 
-MJCF = """<mujoco><option timestep="1e-4"/><worldbody><body>
-<joint name="shaft" type="hinge" axis="0 0 1" armature="1.37e-5" frictionloss="0.004"/>
-<inertial pos="0 0 0" mass="1" diaginertia="3e-5 3e-5 3e-5"/></body></worldbody>
-<actuator><dcmotor name="motor" joint="shaft" motorconst="0.0603" resistance="1.13" inductance="0.33e-3 1e-4"/>
-</actuator></mujoco>"""
-"""The motor and the inertias of the axis, no encoder, no backlash, no regulator: a step is one of physics alone."""
-
-
 def measure(setting: Setting) -> list[Figure]:
     arm = bench_simulation.against_real_time("cascade", setting)
-    return [*_axis(setting), *bench_regulators.measure(setting), *_synchronous(setting), arm]
-
-
-def _axis(setting: Setting) -> list[Figure]:
-    """Motor, quadrature encoder, backlash, stick, three loops: there and back, supervised."""
-    motor = motor_card("maxon_re40_48v").sheet.motor(max_current=10.0)
-    axis = Axis(motor, Load(3e-3, 0.02), Encoder(2000), Gear(10.0, 0.85), gap=1e-3)
-    gains = design_cascade(axis.servo_axis())
-    samples = 100 if setting.small else 20_000
-    reference = np.sin(np.arange(samples) * 2e-3 * np.pi)
-    ours = seconds(lambda: simulate_axis(axis, gains, reference), setting, rounds=9) / (10 * samples)
-    what = "axis at 10 kHz: motor, encoder, backlash, stick, three loops"
-    return [
-        Figure(what, STEP / ours, "x real time", goal=2000.0, more_is_better=True),
-        _figure(f"{what}; a step", ours, "MuJoCo dcmotor step", _mujoco(setting), 100.0),
-    ]
-
-
-def _mujoco(setting: Setting) -> float | None:
-    """Seconds of a step of the peer's motor on a rigid load."""
-    mujoco = peer("mujoco")
-    if mujoco is None:
-        return None
-    model = mujoco.MjModel.from_xml_string(MJCF)
-    data, count = mujoco.MjData(model), 100 if setting.small else 20_000
-    data.ctrl[0] = 5.0
-    return seconds(lambda: mujoco.mj_step(model, data, count), setting, rounds=9) / count
+    return [*bench_axis.measure(setting), *bench_regulators.measure(setting), *_synchronous(setting), arm]
 
 
 def _synchronous(setting: Setting) -> list[Figure]:
