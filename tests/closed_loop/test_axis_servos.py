@@ -9,6 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from holonom.closed_loop import axis as closed_axis
+from holonom.closed_loop.axis_faults import AxisFault
+from holonom.closed_loop.axis_kernels import axis_runner
 from holonom.closed_loop.axis_tuning import trapezoid, tune_axis
 from holonom.control import SERVOS, SampleTimes, design_cascade
 from holonom.control.servo.law_design import law_gains, servo_law
@@ -16,6 +19,7 @@ from holonom.control.servo.remaining import remaining_errors
 from holonom.devices import DcMotor, Encoder, Friction, Gear
 from holonom.errors import OutOfLimits
 from holonom.machine.axis.drive import DriveSettings
+from holonom.machine.axis.kernels import axis_servo_step
 from holonom.sim import Axis, Load, simulate_axis
 
 RE40 = DcMotor(1.13, 0.33e-3, 0.0603, 0.0603, 1.37e-5, 48.0, 10.0)
@@ -196,3 +200,29 @@ def test_remaining_errors_are_those_of_the_type_number(name: str) -> None:
         assert -pushed.position[-50:].mean() == pytest.approx(wanted, rel=0.05)
     pushed = simulate_axis(PLAIN, gains, 0.0 * t, load_torque=0.05)
     assert -pushed.position[-1] == pytest.approx(0.05 / kt * of_load.step, rel=0.02, abs=4.0 * COUNT)
+
+
+@pytest.mark.parametrize("times", [SampleTimes(), SampleTimes(1e-4, 4e-4, 4e-4), SampleTimes(1e-4, 1e-4, 1e-3)])
+def test_the_short_way_between_looks_is_the_long_one_to_the_bit(
+    times: SampleTimes, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With faults, stops, start by self-check and gaps in it: any step may be the one at which something happens."""
+    rng = np.random.default_rng(8)
+    gains = design_cascade(LOOSE.servo_axis(), times=times)
+    t = np.arange(600) * times.position
+    runs: dict[bool, list[Any]] = {True: [], False: []}
+    for kind in (None, "edges_lost", "channels_swapped", "blocked", "phase_lost"):
+        at, stop = rng.uniform(0.05, 0.2), (rng.uniform(0.2, 0.24), int(rng.integers(3)))
+        faults = [] if kind is None else [AxisFault(kind, at)]
+        for start in ("powered", "off"):
+            drive = DriveSettings(start=start)
+            for short in (True, False):
+                monkeypatch.setattr(closed_axis, "_runner", lambda _, short=short: axis_runner(axis_servo_step, short))
+                run = simulate_axis(
+                    LOOSE, gains, 0.3 * np.sin(8.0 * t), load_torque=0.03, faults=faults, stop=stop, drive=drive
+                )
+                runs[short].append(run)
+    for one, other in zip(runs[True], runs[False], strict=True):
+        assert one.events == other.events
+        for name in ("position", "motor_speed", "current", "voltage", "square_current", "seen_speed", "phase"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
