@@ -341,3 +341,21 @@ def test_refusals_of_linear_systems() -> None:
         p.relay_cycle(p.make_process({"kind": "two_lags", "lags": [1.0, 2.0]}), 1.0)
     with pytest.raises(ModelError, match="dead time alone"):
         p.relay_cycle(p.make_process({"kind": "dead_time", "dead_time": 2.0}), 1.0)
+
+
+def test_a_process_or_its_keys() -> None:
+    """Every verb takes both; what is neither is said."""
+    keys = {"kind": "lag_dead_time", "lag": 1.0, "dead_time": 0.5}
+    made, gains = p.make_process(keys), p.Gains(1.0, 1.0)
+    assert p.ultimate_gain(keys) == p.ultimate_gain(made)
+    assert p.relay_cycle(keys, 1.0) == p.relay_cycle(made, 1.0)
+    assert p.sampled_margin(keys, gains, 0.1) == p.sampled_margin(made, gains, 0.1)
+    assert p.sampled_limits(keys, 0.1) == p.sampled_limits(made, 0.1)
+    assert p.largest_gain(keys, gains, 0.1) == p.largest_gain(made, gains, 0.1)
+    assert p.loop_figures(p.open_loop(keys, gains)) == p.loop_figures(p.open_loop(made, gains))
+    np.testing.assert_array_equal(p.sampled_step(keys, gains, 0.1, 9), p.sampled_step(made, gains, 0.1, 9))
+    for wrong in ("oven", None, 3.0):
+        with pytest.raises(InputError, match="give a Process, or its keys"):
+            p.ultimate_gain(wrong)  # type: ignore[arg-type]
+    with pytest.raises(UnknownName, match="no rule '3'"):
+        p.tune_process(keys, 3)  # type: ignore[arg-type]

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from holonom.arrays import Array
-from holonom.control.processes.process import Process
+from holonom.control.processes.process import Process, make_process
 from holonom.errors import OutOfLimits
 
 __all__ = ["Gains", "LoopFigures", "OpenLoop", "loop_figures", "open_loop", "phase_crossings", "ultimate_gain"]
@@ -65,8 +65,12 @@ class LoopFigures:
     stable: bool
 
 
-def open_loop(process: Process, gains: Gains, form: str = "PI") -> OpenLoop:
-    """Regulator times process; where the loop would not fall off at high frequencies, Td is filtered by Td/10."""
+def open_loop(process: Process | Mapping[str, Any], gains: Gains, form: str = "PI") -> OpenLoop:
+    """Regulator times process; where the loop would not fall off at high frequencies, Td is filtered by Td/10.
+
+    `process` may be its kind and keys, as `make_process` takes them.
+    """
+    process = make_process(process)
     Kc, Ti, Td = gains
     if form == "I":
         num, den = np.array([Kc]), np.array([Ti, 0.0])
@@ -117,7 +121,7 @@ def loop_figures(loop: OpenLoop) -> LoopFigures:
     return LoopFigures(crossover, phase_crossover, phase_margin, gain_margin, peak, at, stable)
 
 
-def ultimate_gain(process: Process) -> tuple[float, float]:
+def ultimate_gain(process: Process | Mapping[str, Any]) -> tuple[float, float]:
     """Gain from which the process swings under a P regulator, and the period, s.
 
     Raises
@@ -125,6 +129,7 @@ def ultimate_gain(process: Process) -> tuple[float, float]:
     OutOfLimits
         No gain makes it swing: its phase never reaches -180 deg.
     """
+    process = make_process(process)
     first = _first_phase_crossing(open_loop(process, Gains(1.0), "P"))
     if math.isnan(first):
         raise OutOfLimits(

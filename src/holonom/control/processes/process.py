@@ -308,6 +308,8 @@ def make_process(given: Process | Mapping[str, Any]) -> Process:
     """
     if isinstance(given, Process):
         return given
+    if not isinstance(given, Mapping):
+        raise InputError(f'process: {given!r} came; give a Process, or its keys, {{"kind": "lag_dead_time", "lag": 1}}')
     keys = dict(given)
     kind = keys.pop("kind", "transfer_function" if "num" in keys and "den" in keys else None)
     if not isinstance(kind, str):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 from holonom.arrays import Array
 from holonom.control.processes.closed import vertex
 from holonom.control.processes.loop import ultimate_gain
-from holonom.control.processes.process import Process
+from holonom.control.processes.process import Process, make_process
 from holonom.errors import ModelError, OutOfLimits
 
 __all__ = ["RelayCycle", "describing_gain", "relay_cycle"]
@@ -50,7 +51,7 @@ def describing_gain(relay: float, amplitude: float, hysteresis: float) -> float:
     return 4.0 * relay / (math.pi * math.sqrt(amplitude**2 - hysteresis**2))
 
 
-def relay_cycle(process: Process, relay: float, hysteresis: float = 0.0) -> RelayCycle:
+def relay_cycle(process: Process | Mapping[str, Any], relay: float, hysteresis: float = 0.0) -> RelayCycle:
     """The symmetric limit cycle of a process under a relay, exactly.
 
     Parameters
@@ -76,6 +77,7 @@ def relay_cycle(process: Process, relay: float, hysteresis: float = 0.0) -> Rela
     from scipy import signal  # heavy: on first use
     from scipy.optimize import brentq  # heavy: on first use
 
+    process = make_process(process)
     if not (relay > 0.0 and math.isfinite(relay) and 0.0 <= hysteresis < math.inf):
         raise OutOfLimits(f"relay is {relay!r}, hysteresis {hysteresis!r}; they must be positive, and not negative")
     if len(process.den) == 1:

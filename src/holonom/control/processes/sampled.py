@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from holonom.arrays import Array, whole_number
 from holonom.control.processes.loop import Gains
-from holonom.control.processes.process import Process
+from holonom.control.processes.process import Process, make_process
 from holonom.errors import ModelError, OutOfLimits
 
 __all__ = [
@@ -69,7 +69,9 @@ class _Loop(NamedTuple):
     den: Array
 
 
-def sampled_margin(process: Process, gains: Gains, dt: float, *, delay_samples: int = 1) -> SampledMargin:
+def sampled_margin(
+    process: Process | Mapping[str, Any], gains: Gains, dt: float, *, delay_samples: int = 1
+) -> SampledMargin:
     """Margins of a PID by backward differences on a process behind a hold.
 
     Parameters
@@ -93,7 +95,7 @@ def sampled_margin(process: Process, gains: Gains, dt: float, *, delay_samples: 
 
 
 def largest_gain(
-    process: Process, shape: Gains, dt: float, *, delay_samples: int = 1, margin_deg: float = 60.0
+    process: Process | Mapping[str, Any], shape: Gains, dt: float, *, delay_samples: int = 1, margin_deg: float = 60.0
 ) -> float:
     """Largest Kc that keeps a phase margin, Ti and Td as given; arguments as `sampled_margin`.
 
@@ -120,7 +122,7 @@ def largest_gain(
     )
 
 
-def sampled_limits(process: Process, dt: float, *, delay_samples: int = 1) -> SampledLimits:
+def sampled_limits(process: Process | Mapping[str, Any], dt: float, *, delay_samples: int = 1) -> SampledLimits:
     """Limits of a sampled P regulator; arguments and errors as `sampled_margin`.
 
     Infinite where there is none. Aperiodic: all closed-loop poles real and positive, or 0.
@@ -139,7 +141,9 @@ def sampled_limits(process: Process, dt: float, *, delay_samples: int = 1) -> Sa
     return SampledLimits(largest, _edge(calm, unit))
 
 
-def sampled_step(process: Process, gains: Gains, dt: float, samples: int, *, delay_samples: int = 1) -> Array:
+def sampled_step(
+    process: Process | Mapping[str, Any], gains: Gains, dt: float, samples: int, *, delay_samples: int = 1
+) -> Array:
     """Output (samples,) at the sample times after a step of the reference; arguments and errors as `sampled_margin`."""
     from scipy import signal  # heavy: on first use
 
@@ -171,10 +175,10 @@ def _edge(call: Callable[[float], bool], unit: float) -> float:
     return low
 
 
-def _loop(process: Process, gains: Gains, dt: float, delay_samples: int) -> _Loop:
+def _loop(process: Process | Mapping[str, Any], gains: Gains, dt: float, delay_samples: int) -> _Loop:
     if not 0.0 < dt < math.inf:
         raise OutOfLimits(f"dt is {dt!r}; a sample time must be finite and greater than 0 s")
-    delay = whole_number("delay_samples", delay_samples)
+    process, delay = make_process(process), whole_number("delay_samples", delay_samples)
     if process.dead_time > LONGEST * dt:
         raise OutOfLimits(
             f"a dead time of {process.dead_time:g} s is more than {LONGEST} samples of {dt:g} s; sample more slowly"

@@ -93,6 +93,8 @@ def tune_process(
     if form not in FORMS:
         raise UnknownName("form", form, FORMS)
     rule = default_rule(process, form, settings) if rule is None else rule
+    if not isinstance(rule, str):
+        raise UnknownName("rule", str(rule), RULES)
     RULES[rule]
     if rule == "sampled":
         if sample_time is not None:
