@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from holonom.arrays import whole_number
-from holonom.closed_loop.base_kernels import LogBuffer, joined, run_logged, run_ticks
+from holonom.closed_loop.base_kernels import LogBuffer, joined, run
 from holonom.closed_loop.base_log import BaseLog, log_of
 from holonom.machine.base.controller import BaseController
 from holonom.machine.base.kernels import DONE, RUNNING, STOPPED
@@ -72,10 +72,10 @@ class BaseLoop:
         OutOfLimits
             Not a whole number of them, or a negative one.
         """
-        left = whole_number("ticks", ticks)
+        left, nothing = whole_number("ticks", ticks), self.buffer(0)
         while True:
             part = min(left, self.controller.plan())
-            run_ticks(*self._arguments(), self.plant.noise(part))
+            run(*self._arguments(), self.plant.noise(part), nothing)
             left -= part
             if left <= 0:
                 return
@@ -85,7 +85,7 @@ class BaseLoop:
         done = 0
         while done < len(log.body):
             part = log.part(done, done + self.controller.plan())
-            took = int(run_logged(*self._arguments(), self.plant.noise(len(part.body)), part))
+            took = int(run(*self._arguments(), self.plant.noise(len(part.body)), part))
             done += took
             if took < len(part.body):
                 break

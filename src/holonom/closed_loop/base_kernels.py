@@ -1,8 +1,8 @@
 """The closed loop of a base, compiled: the controller's step and the plant's in turn, each millisecond; nothing else.
 
-`run_logged` fills a buffer with what is true and what the controller says and returns, so that a run of any length
-needs the memory of one buffer; `run_ticks` only drives on, between two looks of a program or a joystick. Both are the
-same steps: they give the same bits.
+With a buffer `run` fills it with what is true and what the controller says and returns, so that a run of any length
+needs the memory of one buffer; with an empty one it only drives on, between two looks of a program or a joystick. Both
+are the same steps, compiled once: they give the same bits.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from holonom.sim.base.step_kernels import BasePlantParams, advance
 from holonom.trace.call.borrow import borrowed
 from holonom.trace.code.loops import loop
 
-__all__ = ["LogBuffer", "joined", "run_logged", "run_ticks"]
+__all__ = ["LogBuffer", "joined", "run"]
 
 Records = NDArray[np.void]
 
@@ -52,7 +52,7 @@ def joined(logs: Sequence[LogBuffer]) -> LogBuffer:
 
 
 @loop(error_model="numpy")
-def run_logged(
+def run(
     params: BaseParams,
     task: BaseTask,
     signals: WheelSignals,
@@ -66,41 +66,23 @@ def run_logged(
     noise: Array,
     log: LogBuffer,
 ) -> int:
-    """Drive on until the log is full, the path ends, which `control` then says, or the base tips over.
+    """Drive on for as many milliseconds as `noise` has rows; return how many it took.
 
-    Return the milliseconds it took.
+    With a log of as many rows it ends where the path does, which `control` then says, or where the base tips over;
+    without (an empty one) a base at the end of its path holds.
     """
     params, task, signals, work, plant = borrowed((params, task, signals, work, plant))
-    for k in range(len(log.body)):
-        control[0].ended = path_ending(control[0], task.path)
-        if control[0].ended != RUNNING or body[0].tipped != 0:
-            return k
-        control_step(params, task, signals, control, known, seen, work)
-        log_body(plant.body[0], body[0], log.body[k])
-        log_wheels(wheels, log.wheels[k])
-        say(control[0], known, seen, log.controlled[k], log.seen[k])
-        advance(plant, body, wheels, signals, noise[k])
-    control[0].ended = path_ending(control[0], task.path)
-    return len(log.body)
-
-
-@loop(error_model="numpy")
-def run_ticks(
-    params: BaseParams,
-    task: BaseTask,
-    signals: WheelSignals,
-    control: Records,
-    known: Records,
-    seen: Records,
-    work: Work,
-    plant: BasePlantParams,
-    body: Records,
-    wheels: Records,
-    noise: Array,
-) -> None:
-    """Drive on for as many milliseconds as `noise` has rows; a base at the end of its path holds."""
-    params, task, signals, work, plant = borrowed((params, task, signals, work, plant))
+    logged = len(log.body) > 0
     for k in range(len(noise)):
+        if logged:
+            control[0].ended = path_ending(control[0], task.path)
+            if control[0].ended != RUNNING or body[0].tipped != 0:
+                return k
         control_step(params, task, signals, control, known, seen, work)
+        if logged:
+            log_body(plant.body[0], body[0], log.body[k])
+            log_wheels(wheels, log.wheels[k])
+            say(control[0], known, seen, log.controlled[k], log.seen[k])
         advance(plant, body, wheels, signals, noise[k])
     control[0].ended = path_ending(control[0], task.path)
+    return len(noise)
