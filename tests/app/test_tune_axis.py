@@ -119,7 +119,7 @@ def test_what_does_not_come_to_rest_is_said(tmp_path: Path, capsys: pytest.Captu
     data = answer(capsys, "tune", toml(tmp_path, soft))
     said = {w["name"]: w for w in data["warnings"]}
     assert {"resonance", "not_settled", "position_ripple"} <= set(said)
-    assert said["resonance"]["wanted"] == pytest.approx(math.sqrt(5.0 / 0.05))
+    assert said["resonance"]["wanted"] == pytest.approx(0.5 * math.sqrt(5.0 / 0.05))
     assert data["verified"]["settling_time"] is None
     file = toml(tmp_path, AXIS.replace("2000", "16"))
     data = answer(capsys, "tune", file, "-o", str(tmp_path / "out"))

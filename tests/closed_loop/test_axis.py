@@ -77,6 +77,22 @@ def test_an_elastic_axis_swings_at_its_resonance() -> None:
     assert frequency == pytest.approx(232.089, rel=3e-3)
 
 
+@pytest.mark.parametrize("axis", [PLAIN, ELASTIC], ids=["rigid", "elastic"])
+@pytest.mark.parametrize("part", [0.1, 1.5, 30.0])
+def test_viscous_friction_of_any_size_only_brakes(axis: Axis, part: float) -> None:
+    """Of `part` J/dt: the speed dies out without changing its sign; a torque ends at the speed torque/B."""
+    viscous = part * 3e-5 / DT
+    open_circuit = dataclasses.replace(RE40, torque_constant=1e-9, back_emf_constant=1e-9)
+    thick = dataclasses.replace(axis, motor=open_circuit, load=Load(3e-5, viscous=viscous))
+    states = run(thick, np.zeros(400), state=AxisState(0.0, 50.0, 0.0, 50.0, 0.0, 0.0))
+    assert np.isfinite(states).all()
+    assert abs(states[-1, 3]) < 1e-3 * 50.0
+    if axis.rigid:
+        assert (states[:, 3] >= -1e-9).all()
+    pushed = run(thick, np.zeros(20_000), load=-0.5)
+    assert pushed[-1, 3] == pytest.approx(0.5 / viscous, rel=1e-6)
+
+
 @pytest.mark.parametrize("axis", [RUBBING, LOOSE], ids=["rigid", "with a gap"])
 def test_under_a_load_below_breakaway_it_stands(axis: Axis) -> None:
     load = 0.9 * (0.002 if axis.gap else 0.006)

@@ -173,3 +173,17 @@ def test_an_axis_that_does_not_move_at_all() -> None:
 def test_wishes_are_positive(key: str) -> None:
     with pytest.raises(ModelError, match=f"{key} is"):
         WantedAxis(**{key: -1.0})
+
+
+@pytest.mark.parametrize("stiffness", [300.0, 1000.0, 2500.0, 1e4, 1e5])
+def test_an_axis_that_swings_with_its_gains_has_been_warned_of(stiffness: float) -> None:
+    """Whatever comes out of an elastic axis, bad steps are not left to be found in the numbers."""
+    motor = motor_card("maxon_re25_24v").sheet.motor()
+    load = Load(2.66 * motor.rotor_inertia * 45.0**2, 0.001, 1e-4)
+    found = tune_axis(Axis(motor, load, Encoder(20_000), Gear(45.0, 0.7), stiffness=stiffness))
+    said = {w.name for w in found.warnings}
+    crossing, swings = found.gains.speed_margin.crossover, math.sqrt(stiffness / load.inertia)
+    assert ("resonance" in said) == (crossing > 0.5 * swings)
+    if "resonance" not in said:
+        assert said <= {"encoder_supervision", "sample_time"}
+        assert found.verified.settling_time < 0.2

@@ -31,6 +31,7 @@ HEADROOM = 0.9  # part of the speed that supply and acceleration allow, by defau
 LOADED = 0.2  # part of the current that friction and load may take, beside the acceleration's
 LASTING = 0.9  # part of the current that the winding bears for ever
 LEAST_PART = 0.1  # of the no-load speed, of the greatest acceleration
+CALM = 0.5  # part of the frequency of a load on its stiffness up to which the speed loop may cross
 SETTLED = 0.02  # part of a step within which it has settled
 
 
@@ -306,14 +307,14 @@ def _restless(axis: Axis, size: float, gains: CascadeGains | ServoGains, verifie
         swing = verified.position_ripple
         text = f"after a step of {size:g} rad it swings by {swing:.4g} rad; up to {band:.4g} rad is rest"
         found.append(DesignWarning("position_ripple", text, verified.position_ripple, band))
-    crossing, swings = _crossover(gains), math.sqrt(axis.stiffness / axis.load.inertia)
-    if crossing > swings:
+    crossing, most = _crossover(gains), CALM * math.sqrt(axis.stiffness / axis.load.inertia)
+    if crossing > most:
         text = (
-            f"with the motor held, the load swings at {swings:.4g} rad/s; the speed loop crosses at {crossing:.4g} "
-            f"rad/s, and its margin is that of a stiff axis: {axis.load.inertia * crossing**2:.4g} N m/rad are needed, "
-            "or a slower loop (longer sample times)"
+            f"with the motor held, the load swings at {most / CALM:.4g} rad/s; the speed loop, whose margin is that of "
+            f"a stiff axis, crosses at {crossing:.4g} rad/s: up to {most:.4g} rad/s are sound; take a stiffness of "
+            f"{axis.load.inertia * (crossing / CALM) ** 2:.4g} N m/rad, or a slower loop (longer sample times)"
         )
-        found.append(DesignWarning("resonance", text, crossing, swings))
+        found.append(DesignWarning("resonance", text, crossing, most))
     return found
 
 

@@ -154,19 +154,21 @@ class Axis:
         reduced = rotor * load / (rotor + load)
         stiff = CONTACT * reduced / dt**2
         stiffness = min(self.stiffness / ratio**2, stiff)
-        rubbing = self.rubbing
+        rubbing, load_viscous = self.rubbing, self.load.viscous / ratio**2
+        inertia = rotor + mean * load if self.rigid else rotor
+        viscous = rubbing.viscous + mean * load_viscous if self.rigid else rubbing.viscous
         return AxisPlantParams(
             dt=dt,
             armature=self.motor.armature(dt),
             torque_constant=self.motor.torque_constant,
-            per_torque=dt / (rotor + mean * load if self.rigid else rotor),
+            per_torque=dt / (inertia + viscous * dt),  # viscous friction of the speed after the step: always stable
             viscous=rubbing.viscous,
             coulomb_positive=rubbing.coulomb_positive,
             coulomb_negative=rubbing.coulomb_negative,
             rise=rubbing.rise,
             per_stribeck=rubbing.per_stribeck,
-            load_per_torque=dt / load,
-            load_viscous=self.load.viscous / ratio**2,
+            load_per_torque=dt / (load if self.rigid else load + load_viscous * dt),
+            load_viscous=load_viscous,
             load_coulomb=self.load.coulomb / ratio,
             rigid=self.rigid,
             half_gap=0.5 * self.gap * ratio,

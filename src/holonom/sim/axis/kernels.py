@@ -16,7 +16,7 @@ __all__ = ["AxisPlantParams", "AxisState", "axis_step"]
 
 
 class AxisPlantParams(NamedTuple):
-    """Params of `axis_step`: N m, rad, s at the motor shaft; `per_torque` is dt / J."""
+    """Params of `axis_step`: N m, rad, s at the motor shaft; `per_torque` is dt / (J + B dt)."""
 
     dt: float
     armature: ArmatureParams
