@@ -119,7 +119,9 @@ def test_a_gear_takes_its_part_both_ways_and_holds_in_between(efficiency: float,
     """Torques of the motor that lift a load, hold it, and let it down: T / eta, anything between, T eta."""
     axis = dataclasses.replace(PLAIN, gear=Gear(1.0, efficiency), stiffness=stiffness)
     params, load = axis.plant(DT), 0.2
-    held = params._replace(torque_constant=1.0, armature=params.armature._replace(decay=1.0), damping=0.01)
+    held = params._replace(
+        torque_before=0.5, torque_after=0.5, armature=params.armature._replace(decay=1.0), damping=0.01
+    )
 
     def speed(torque: float) -> float:
         bent = load / held.stiffness if not axis.rigid else 0.0

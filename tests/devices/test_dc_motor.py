@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy import signal
+from scipy import integrate, signal
 
 from holonom.devices import DcMotor, armature_step
+from holonom.devices.motors.dc_motor import mean_weight
 from holonom.errors import ModelError
 
 # Maxon RE 40, 24 V, 150 W (catalogue number 148867)
@@ -48,6 +49,16 @@ def test_two_half_steps_are_one_step(current: float, voltage: float, speed: floa
     half, whole = PUMA1.armature(0.5 * dt), PUMA1.armature(dt)
     twice = armature_step(half, armature_step(half, current, voltage, speed), voltage, speed)
     assert twice == pytest.approx(armature_step(whole, current, voltage, speed), rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("times", [1e-6, 0.99e-4, 1.01e-4, 0.1, 1.0, 6.5, 50.0])
+def test_the_mean_current_is_that_of_the_exponential(times: float) -> None:
+    """Over an interval of so many electrical time constants; by quadrature."""
+    first, settled = 1.7, -0.4
+    current = settled + (first - settled) * np.exp(-np.linspace(0.0, times, 20001))
+    weight = mean_weight(times)
+    mean = integrate.simpson(current, dx=1.0 / 20000)
+    assert (1.0 - weight) * first + weight * current[-1] == pytest.approx(mean, abs=1e-9)
 
 
 def test_the_supply_limits_the_voltage() -> None:

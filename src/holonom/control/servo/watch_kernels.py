@@ -38,6 +38,8 @@ INDEX_WAITS = 6  # looks until a wrong index is believed
 NAMING = 3  # looks until it has a name
 PUSHES = 0.27  # part of the greatest current, beyond the usual one, that turns any axis
 STALLED = 20.0  # counts that the model has an axis turn without an edge
+SHOWN = 0.5  # part of that motion that the back-emf shows where an encoder is dead; a shaft at a reversal stands
+JAMMED = 20.0  # times the least speed that the model has a shaft turn with, which stands: something holds it
 FOLLOWS = 0.2  # part of the greatest current from which on the resistance is followed
 CLEAR = 0.03  # part of the resistance's voltage that the back-emf's error may be
 FOLLOWING = 2.5e-5  # part of it, each look: as fast as a winding gets warm
@@ -80,6 +82,10 @@ class DriveWatchParams(NamedTuple):
         Frames in a row with a wrong checksum that are no accident.
     acceleration_per_ampere, friction_current
         k_t / J, rad/s2 per A, and Coulomb friction over k_t, A, as they are known.
+    current_before
+        Weight of the current at a sample's begin in the mean over it (`1 - mean_weight`).
+    skew
+        Time by which counts and currents may be taken apart: a sample of the current loop, in looks.
     """
 
     dt: float
@@ -99,6 +105,8 @@ class DriveWatchParams(NamedTuple):
     bad_frames: int
     acceleration_per_ampere: float
     friction_current: float
+    current_before: float
+    skew: float
 
 
 class DriveSeen(NamedTuple):
@@ -199,7 +207,7 @@ def watch_drive(params: DriveWatchParams, state: DriveWatchState, seen: DriveSee
     emf = (driving - s.resistance * seen.mean_current) / p.back_emf
     size = max(abs(seen.current), abs(s.current))
     apart = p.resistance_error * s.resistance * size + p.inductance_error * abs(induced)
-    apart = p.least_speed + apart / p.back_emf + p.constant_error * abs(speed)
+    apart = p.least_speed + apart / p.back_emf + p.constant_error * abs(speed) + p.skew * abs(emf - s.emf)
     count = p.resolution / p.dt
     off = s.off + FILTER * (speed - emf - s.off)
     allowed = s.allowed + FILTER * (apart - s.allowed)  # of a filtered difference, its bound through the same filter
@@ -222,7 +230,8 @@ def watch_drive(params: DriveWatchParams, state: DriveWatchState, seen: DriveSee
     still_speed = 0.0 if moves else s.still_speed + p.dt * p.acceleration_per_ampere * max(pushes, 0.0)
     still_travel = 0.0 if moves else s.still_travel + p.dt * still_speed
     pace = s.pace + FILTER * (abs(speed) - s.pace) if moves else s.pace
-    stalled = still_travel > STALLED * p.resolution and pace > p.least_speed
+    still = still_travel > STALLED * p.resolution and pace > p.least_speed
+    stalled = still and (abs(emf) > SHOWN * still_speed or still_speed > JAMMED * p.least_speed)
     asked = s.asked + FILTER * (abs(seen.asked_current) - s.asked)
     carried = s.carried + FILTER * (size - s.carried)
     empty = _emptier(p, s.empty, bare, asked, carried, (driving - p.back_emf * speed) / resistance, speed, seen.voltage)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from holonom.control import CascadeGains, ServoAxis, ServoGains
+from holonom.control.servo.axis import SampleTimes
 from holonom.control.servo.kernels import LimitParams
 from holonom.control.servo.law_kernels import LAW_START, THREE_LOOPS, LawParams, LawState
 from holonom.control.servo.watch_kernels import WATCH_START, DriveWatchParams
@@ -15,6 +16,7 @@ from holonom.devices.encoders.counters.index import INDEX_START, IndexCorrection
 from holonom.devices.encoders.homing.potentiometer import PotentiometerHoming
 from holonom.devices.encoders.homing.states import HOMING_START
 from holonom.devices.encoders.kernels import EncoderParams
+from holonom.devices.motors.dc_motor import mean_weight
 from holonom.devices.power.brake import Brake
 from holonom.errors import OutOfLimits
 from holonom.machine.axis.drive_records import (
@@ -123,7 +125,7 @@ def drive_params(
     )
     return AxisDriveParams(
         _servo_params(axis, friction if feed_forward else Friction(), gains, loop, s.prefilter, encoder),
-        _watch_params(axis, friction, times.speed, s.resistance_error, encoder),
+        _watch_params(axis, friction, times, s.resistance_error, encoder),
         IndexCorrection(encoder.counts_per_rev, each_crossing=False).params(),
         limits,
         _check_params(axis, times.current, s, encoder),
@@ -183,11 +185,11 @@ def _load_encoder(axis: ServoAxis, encoder: Encoder) -> EncoderParams:
 
 
 def _watch_params(
-    axis: ServoAxis, friction: Friction, dt: float, resistance_error: float, encoder: Encoder
+    axis: ServoAxis, friction: Friction, times: SampleTimes, resistance_error: float, encoder: Encoder
 ) -> DriveWatchParams:
     most = max(friction.coulomb_positive, friction.coulomb_negative) * friction.static_ratio  # at rest
     return DriveWatchParams(
-        dt=dt,
+        dt=times.speed,
         resolution=encoder.resolution,
         inductance=axis.inductance,
         back_emf=axis.back_emf_constant,
@@ -204,6 +206,8 @@ def _watch_params(
         bad_frames=BAD_FRAMES,
         acceleration_per_ampere=axis.torque_constant / axis.inertia,
         friction_current=most / axis.torque_constant,
+        skew=times.current / times.speed,
+        current_before=1.0 - mean_weight(times.current * axis.resistance / axis.inductance),
     )
 
 

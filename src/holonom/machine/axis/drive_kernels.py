@@ -86,7 +86,7 @@ def _look(
     off = 1 if index.fault == 0 and abs(index.total_lost) > 1 else index.fault
     off = 3 if off == 1 and abs(index.lost) * OTHER_COUNTS > p.index_params.counts_per_rev else off
     n = float(p.servo.speed_samples)
-    mean = (currents + 0.5 * (s.watch.current - current)) / n
+    mean = (currents + p.watch.current_before * (s.watch.current - current)) / n
     means = DriveSeen(
         seen.counts, seen.edges_a, seen.edges_b, off, seen.line_fault, seen.bad_frame, voltages / n, mean, current,
         s.servo.current_reference, usual,

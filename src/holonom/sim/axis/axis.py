@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from holonom.control import ServoAxis
 from holonom.devices import DcMotor, Encoder, Friction, Gear
+from holonom.devices.motors.dc_motor import mean_weight
 from holonom.errors import ModelError
 from holonom.registry import check_fields, parameter
 from holonom.sim.axis.kernels import AxisPlantParams, AxisState
@@ -154,13 +155,15 @@ class Axis:
         reduced = rotor * load / (rotor + load)
         stiff = CONTACT * reduced / dt**2
         stiffness = min(self.stiffness / ratio**2, stiff)
+        weight = mean_weight(dt / self.motor.electrical_time_constant)
         rubbing, load_viscous = self.rubbing, self.load.viscous / ratio**2
         inertia = rotor + mean * load if self.rigid else rotor
         viscous = rubbing.viscous + mean * load_viscous if self.rigid else rubbing.viscous
         return AxisPlantParams(
             dt=dt,
             armature=self.motor.armature(dt),
-            torque_constant=self.motor.torque_constant,
+            torque_before=(1.0 - weight) * self.motor.torque_constant,
+            torque_after=weight * self.motor.torque_constant,
             per_torque=dt / (inertia + viscous * dt),  # viscous friction of the speed after the step: always stable
             viscous=rubbing.viscous,
             coulomb_positive=rubbing.coulomb_positive,

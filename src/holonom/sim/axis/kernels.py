@@ -16,11 +16,16 @@ __all__ = ["AxisPlantParams", "AxisState", "axis_step"]
 
 
 class AxisPlantParams(NamedTuple):
-    """Params of `axis_step`: N m, rad, s at the motor shaft; `per_torque` is dt / (J + B dt)."""
+    """Params of `axis_step`: N m, rad, s at the motor shaft; `per_torque` is dt / (J + B dt).
+
+    `torque_before` and `torque_after` are the parts of k_t for the mean of the current over a step, from the one before
+    it and the one after it (`DcMotor.mean_weight`).
+    """
 
     dt: float
     armature: ArmatureParams
-    torque_constant: float
+    torque_before: float
+    torque_after: float
     per_torque: float  # of the rotor; of rotor and load where the axis is rigid
     viscous: float
     coulomb_positive: float
@@ -67,7 +72,6 @@ def axis_step(
     supplied = min(max(voltage, -a.max_voltage), a.max_voltage)
     alone = a.decay * state.current + (1.0 - a.decay) * a.conductance * supplied  # `armature_step`, but for its end
     current = alone - (1.0 - a.decay) * a.conductance * a.back_emf * state.speed if conducts else 0.0
-    half = 0.5 * p.torque_constant
     loss = p.lost * abs(state.torque)
     positive, negative = p.coulomb_positive, p.coulomb_negative
     if p.rise > 0.0:
@@ -75,9 +79,9 @@ def axis_step(
         positive, negative = grown * positive, grown * negative
     if p.rigid:
         held = p.mean * p.load_coulomb + brake + loss
-        push = half * state.current - p.mean * load - (p.viscous + p.mean * p.load_viscous) * state.speed
+        push = p.torque_before * state.current - p.mean * load - (p.viscous + p.mean * p.load_viscous) * state.speed
         early = state.speed + p.per_torque * push
-        speed = sliding_speed(early, half * current, positive + held, negative + held, p.per_torque)
+        speed = sliding_speed(early, p.torque_after * current, positive + held, negative + held, p.per_torque)
         carried = load + p.load_viscous * speed + (speed - state.speed) * (1.0 / p.load_per_torque)
         if speed != 0.0:
             carried += math.copysign(p.load_coulomb, speed)
@@ -90,9 +94,9 @@ def axis_step(
         torque = max(p.stiffness * (twist - p.half_gap + p.dt * rate) + p.damping * rate, 0.0)
     elif twist < -p.half_gap:
         torque = min(p.stiffness * (twist + p.half_gap + p.dt * rate) + p.damping * rate, 0.0)
-    early = state.speed + p.per_torque * (half * state.current - p.mean * torque - p.viscous * state.speed)
+    early = state.speed + p.per_torque * (p.torque_before * state.current - p.mean * torque - p.viscous * state.speed)
     held = brake + loss
-    speed = sliding_speed(early, half * current, positive + held, negative + held, p.per_torque)
+    speed = sliding_speed(early, p.torque_after * current, positive + held, negative + held, p.per_torque)
     pull = torque - load - p.load_viscous * state.load_speed
     load_speed = sliding_speed(state.load_speed, pull, p.load_coulomb, p.load_coulomb, p.load_per_torque)
     return AxisState(
