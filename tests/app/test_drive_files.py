@@ -151,6 +151,20 @@ def test_faults_of_a_file_have_their_line(tmp_path: Path, capsys: pytest.Capture
         assert words in capsys.readouterr().err
 
 
+def test_what_is_no_drive_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "file.toml"
+    for text, words in (
+        ("motor = 3", "3 came; a table is expected"),
+        (
+            '[process]\nkind = "dead time"',
+            f"a process is not checked but tuned, which says what is wrong: holonom tune {path}",
+        ),
+    ):
+        path.write_text(text, encoding="utf-8")
+        assert main(["check", str(path)]) == 2
+        assert capsys.readouterr().err.strip().endswith(words)
+
+
 def test_published_cycle_and_ratio(data_folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     cycle, ratio = case(data_folder, "load cycle"), case(data_folder, "best ratio")
     for tables in ({"": cycle["input"]}, {"cycle": cycle["input"]}):

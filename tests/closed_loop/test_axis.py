@@ -203,7 +203,11 @@ def bad(gains: CascadeGains) -> CascadeGains:
     ("call", "error", "text"),
     [
         (lambda g: hm.sim.simulate_axis(PLAIN, g, np.zeros((2, 5))), ShapeError, r"shape \(2, 5\) came"),
-        (lambda g: hm.sim.simulate_axis(PLAIN, g, [0.0, math.nan]), ShapeError, "finite numbers are needed"),
+        (
+            lambda g: hm.sim.simulate_axis(PLAIN, g, [0.0, math.nan]),
+            ShapeError,
+            "nan came at sample 1; finite numbers are needed",
+        ),
         (lambda g: hm.sim.simulate_axis(PLAIN, g, [0.0], load_torque=[0.0, 1.0]), ShapeError, r"shape \(2,\) came"),
         (lambda g: hm.sim.simulate_axis(PLAIN, g, [0.0], loop="torque"), OutOfLimits, "position, speed, current"),
         (lambda g: hm.sim.simulate_axis(PLAIN, bad(g), [0.0]), OutOfLimits, "must be a multiple of 0.0001 s"),

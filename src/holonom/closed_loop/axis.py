@@ -209,17 +209,27 @@ def _reference(reference: ArrayLike) -> Array:
     given = np.asarray(reference, dtype=float)
     if given.ndim == 1:
         given = np.stack([given, np.zeros_like(given), np.zeros_like(given)])
-    if given.ndim != 2 or given.shape[0] != 3 or not np.isfinite(given).all():
+    if given.ndim != 2 or given.shape[0] != 3:
         raise ShapeError(
             f"reference: shape {np.shape(reference)} came; (n,) or (3, n) finite numbers are needed, a sample each of "
             "the position loop"
         )
+    _finite("reference", given)
     return given
+
+
+def _finite(name: str, given: Array) -> None:
+    if not np.isfinite(given).all():
+        at = np.argwhere(~np.isfinite(given))[0]
+        raise ShapeError(
+            f"{name}: {given[tuple(at)]} came at sample {at[-1] if len(at) else 0}; finite numbers are needed"
+        )
 
 
 def _loads(axis: Axis, load_torque: ArrayLike | None, n: int) -> Array:
     """At the motor's shaft, N m."""
     torque = np.asarray(0.0 if load_torque is None else load_torque, dtype=float)
-    if torque.shape not in ((), (n,)) or not np.isfinite(torque).all():
+    if torque.shape not in ((), (n,)):
         raise ShapeError(f"load_torque: shape {torque.shape} came; a number or ({n},) finite numbers are needed")
+    _finite("load_torque", torque)
     return np.ascontiguousarray(np.broadcast_to((torque + axis.load.torque) / axis.gear.ratio, n))

@@ -67,10 +67,12 @@ def _program(path: Path, quiet: bool, allow_outside: bool) -> Answer:
 def _cell(path: Path, quiet: bool, allow_outside: bool) -> Answer:
     from holonom.app.cell.check import check_cell
     from holonom.app.drives.check import check_drive
-    from holonom.app.drives.files import is_drive
+    from holonom.app.drives.files import is_drive, is_process
 
     if is_drive(path):
         return check_drive(path)
+    if is_process(path):
+        raise InputError(f"{path}: a process is not checked but tuned, which says what is wrong: holonom tune {path}")
     return check_cell(path, quiet=quiet, allow_outside=allow_outside)
 
 

@@ -25,6 +25,7 @@ __all__ = [
     "is_cell",
     "is_drive",
     "is_other_motor",
+    "is_process",
     "read_axis",
     "read_model",
     "written_motor",
@@ -116,8 +117,13 @@ class AxisFile:
 
 
 def is_drive(path: Path) -> bool:
-    """Whether a TOML file has a table `[motor]` at its top, which no cell has; what cannot be read is none."""
-    return isinstance(_tables(path).get("motor"), dict)
+    """Whether a TOML file has a `motor` at its top, and no robot, as cells have; what cannot be read is none."""
+    return "motor" in _tables(path) and not is_cell(path)
+
+
+def is_process(path: Path) -> bool:
+    """Whether a TOML file has a `process` at its top, and no robot, as cells have; what cannot be read is none."""
+    return "process" in _tables(path) and not is_cell(path)
 
 
 def is_other_motor(path: Path) -> bool:

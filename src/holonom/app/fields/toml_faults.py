@@ -125,7 +125,8 @@ def explained(
             return f"{came} came; {most} are allowed: {_description(model, fault['loc'])}"
         case kind:
             expected = _EXPECTED.get(kind) or fault["msg"].replace("Input", "it", 1)
-            return f"{_shown(came)} came; {expected}: {_description(model, fault['loc'])}"
+            means = _description(model, fault["loc"])
+            return f"{_shown(came)} came; {expected}" + (f": {means}" if means else "")
 
 
 def _shown(came: object) -> str:
