@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 
 from holonom.closed_loop.axis_tuning import AxisTuning, WantedAxis, trapezoid, try_gains, tune_axis
 from holonom.control import SampleTimes
-from holonom.devices import Encoder, Friction, Gear, motor_card
+from holonom.control.servo.causes import Cause
+from holonom.devices import DcMotor, Encoder, Friction, Gear, motor_card
 from holonom.errors import ModelError, OutOfLimits
 from holonom.sim import Axis, Load
 
@@ -187,3 +189,35 @@ def test_an_axis_that_swings_with_its_gains_has_been_warned_of(stiffness: float)
     if "resonance" not in said:
         assert said <= {"encoder_supervision", "sample_time"}
         assert found.verified.settling_time < 0.2
+
+
+LONG_SAMPLES = SampleTimes(current=2.224e-4, speed=1.112e-3, position=2.224e-3)
+"""Six electrical time constants of a Faulhaber 2342, which its current loop is warned of."""
+
+
+@pytest.mark.parametrize(
+    ("motor", "axis", "times"),
+    [
+        (
+            motor_card("faulhaber_2342_12v").sheet.motor(),
+            {"load": Load(3.209e-4, 0.0612, 5e-6), "encoder": Encoder(19684), "gear": Gear(-6.507, 0.765)},
+            LONG_SAMPLES,
+        ),
+        (
+            motor_card("faulhaber_2224_12v").sheet.motor(max_voltage=10.258, max_current=1.586),
+            {
+                "load": Load(3.402e-5, 1.17e-4, 5.085e-3),
+                "encoder": Encoder(12304),
+                "gear": Gear(-7.5256, 0.677),
+                "gap": 7.8e-4,
+                "stiffness": 29.95,
+            },
+            None,
+        ),
+    ],
+    ids=["samples beyond L/R", "held at a reversal"],
+)
+def test_a_healthy_axis_is_not_stopped(motor: DcMotor, axis: dict[str, Any], times: SampleTimes | None) -> None:
+    """Steps of axes that once stopped for an encoder that was right."""
+    found = tune_axis(Axis(motor=motor, **axis), times=times)
+    assert not {w.name for w in found.warnings} & {cause.name.lower() for cause in Cause}
