@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from holonom.app.console.cli import main
+from holonom.control import SERVOS
 
 AXIS = """
 [motor]
@@ -126,3 +127,63 @@ def test_what_does_not_come_to_rest_is_said(tmp_path: Path, capsys: pytest.Captu
     assert "not_settled" in [w["name"] for w in data["warnings"]]
     assert main(["tune", file]) == 0
     assert "does not settle" in capsys.readouterr().out
+
+
+ELASTIC = AXIS.replace("[encoder]", "[gear]\nratio = 10\nstiffness = 200\ngap = 1e-3\n[encoder]").replace(
+    "3e-5", "3e-3"
+)
+
+
+@pytest.mark.parametrize("servo", [name for name in SERVOS if name != "load_side"])
+def test_a_servo_that_is_wanted(tmp_path: Path, capsys: pytest.CaptureFixture[str], servo: str) -> None:
+    """Every one that an axis without an encoder on its load may have; the report of those with other loops."""
+    file = toml(tmp_path, f'{ELASTIC}[wanted]\nservo = "{servo}"\n')
+    loops = {"one_loop": {"angle"}, "two_loops": {"current", "angle"}}
+    report = ["-o", str(tmp_path / "out")] if servo in loops else []
+    data = answer(capsys, "tune", file, *report)
+    assert set(data["loops"]) == loops.get(servo, {"current", "speed", "position"})
+    assert not report or (tmp_path / "out" / "report.html").stat().st_size > 10_000
+    assert main(["tune", file]) == 0
+    assert f"Kc {data['loops'].get('angle', data['loops'].get('position'))['Kc']:.5g} " in capsys.readouterr().out
+
+
+def test_a_notch_holds_what_a_stiff_design_shakes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = """
+[motor]
+preset = "maxon_re25_24v"
+[load]
+inertia = 5.92e-3
+coulomb = 0.001
+viscous = 1e-4
+[encoder]
+counts = 20000
+[gear]
+ratio = 45
+efficiency = 0.7
+stiffness = 1000
+"""
+    shaken, held = (
+        answer(capsys, "tune", toml(tmp_path, f"{text}[wanted]\nservo = {servo}\n"))
+        for servo in ('"three_loops"', '{ kind = "notch" }')
+    )
+    assert "resonance" in {w["name"] for w in shaken["warnings"]}
+    assert shaken["verified"]["settling_time"] is None
+    assert "resonance" not in {w["name"] for w in held["warnings"]}
+    assert held["verified"]["settling_time"] < 0.3
+    assert held["verified"]["overshoot_percent"] < 1.0
+
+
+@pytest.mark.parametrize(
+    ("servo", "words"),
+    [
+        ("3", "no servo '3'"),
+        ('"notches"', "did you mean 'notch'"),
+        ('{ kind = "notch", depht = 1 }', "did you mean 'depth'"),
+    ],
+)
+def test_a_servo_that_is_none(tmp_path: Path, capsys: pytest.CaptureFixture[str], servo: str, words: str) -> None:
+    file = toml(tmp_path, f"{AXIS}[wanted]\nservo = {servo}\n")
+    assert main(["tune", file]) == 2
+    told = capsys.readouterr().err
+    assert f"{file}:13: wanted.servo: " in told
+    assert words in told

@@ -312,7 +312,8 @@ def _restless(axis: Axis, size: float, gains: CascadeGains | ServoGains, verifie
         text = (
             f"with the motor held, the load swings at {most / CALM:.4g} rad/s; the speed loop, whose margin is that of "
             f"a stiff axis, crosses at {crossing:.4g} rad/s: up to {most:.4g} rad/s are sound; take a stiffness of "
-            f"{axis.load.inertia * (crossing / CALM) ** 2:.4g} N m/rad, or a slower loop (longer sample times)"
+            f"{axis.load.inertia * (crossing / CALM) ** 2:.4g} N m/rad, a slower loop (longer "
+            "sample times), or the servo `notch`"
         )
         found.append(DesignWarning("resonance", text, crossing, most))
     return found

@@ -12,9 +12,10 @@ from typing import Any
 from holonom.app.console.answer import Answer
 from holonom.app.console.output import prepare_output
 from holonom.app.drives.files import AxisFile, read_axis
-from holonom.app.drives.tuning.tables import TuningFile
+from holonom.app.drives.tuning.tables import TuningFile, gain_unit
 from holonom.closed_loop.axis_tuning import AxisLoop, AxisTuning, WantedAxis, tune_axis
-from holonom.control import SampleTimes
+from holonom.control import SERVOS, SampleTimes
+from holonom.control.servo.law_design import Servo
 from holonom.devices import Encoder, Gear, check_sheet
 from holonom.devices.motors.sheet_check import CONTRADICTION, WARNING
 from holonom.devices.motors.thermal import ThermalModel
@@ -43,9 +44,9 @@ def tune_axis_file(file: TuningFile, rule: str | None = None, output: Path | Non
         raise ModelError(f"{file.path}: --rule {rule} came; rules are for a [process]; the loops of an axis need none")
     read = read_axis(file.path)
     axis, times, thermal = axis_of(read)
-    wanted = _wanted(file)
+    wanted, servo = _wanted(file), _servo(file)
     try:
-        found = tune_axis(axis, times=times, wanted=wanted, thermal=thermal)
+        found = tune_axis(axis, times=times, wanted=wanted, thermal=thermal, servo=servo)
     except InputError as problem:
         raise ModelError(f"{file.path}: {problem}") from None
     data = _data(read, found)
@@ -92,6 +93,8 @@ def axis_of(read: AxisFile) -> tuple[Axis, SampleTimes, ThermalModel | None]:
     return axis, times, sheet.thermal() if printed else None
 
 
+SERVO = "servo"
+"""Key of [wanted] that chooses one of `SERVOS`."""
 SHOWN = (
     "resistance", "inductance", "torque_constant", "back_emf_constant", "rotor_inertia", "max_voltage", "max_current",
 )  # fmt: skip
@@ -102,15 +105,26 @@ LEAST_INERTIA = 1e-6
 
 def _wanted(file: TuningFile) -> WantedAxis:
     fields: dict[str, Field] = {field.name: field for field in parameters_of(WantedAxis)}
-    for key in file.table("wanted"):
-        if key not in fields:
-            raise ModelError(f"{file.place('wanted', key)}: {UnknownName('key', key, fields)}")
     try:
-        return WantedAxis(**file.values("wanted", fields))
+        return WantedAxis(**file.values("wanted", fields, (SERVO,)))
     except ModelError as problem:
         if str(file.path) in str(problem):
             raise
         raise ModelError(f"{file.place('wanted')}: {problem}") from None
+
+
+def _servo(file: TuningFile) -> Servo:
+    """The servo that is wanted: a name of `SERVOS`, or a table with its `kind` and parameters."""
+    given = file.table("wanted").get(SERVO, "three_loops")
+    params = dict(given) if isinstance(given, dict) else {"kind": given}
+    name = params.pop("kind", None)
+    try:
+        if not isinstance(name, str):
+            raise UnknownName("servo", str(name), SERVOS)
+        servo: Servo = SERVOS.make(name, params)
+    except InputError as problem:
+        raise ModelError(f"{file.place('wanted', SERVO)}: {problem}") from None
+    return servo
 
 
 def _data(read: AxisFile, found: AxisTuning) -> dict[str, Any]:
@@ -161,12 +175,12 @@ def _finite(value: float | None) -> float | None:
 
 
 def _text(read: AxisFile, data: Mapping[str, Any]) -> str:
-    units = {"current": "V/A", "speed": "A s/rad", "position": "1/s"}
     lines = [f"{read.path}: {read.motor.title}"]
     for name, loop in data["loops"].items():
         Ti = "" if loop["Ti"] is None else f"  Ti {1e3 * loop['Ti']:.4g} ms"
+        unit = gain_unit(name, data["loops"])
         lines.append(
-            f"{name:9}{loop['form']:3} Kc {loop['Kc']:.5g} {units[name]}{Ti}  {loop['phase_margin_deg']:.0f} deg at "
+            f"{name:9}{loop['form']:3} Kc {loop['Kc']:.5g} {unit}{Ti}  {loop['phase_margin_deg']:.0f} deg at "
             f"{loop['crossover'] / (2.0 * math.pi):.4g} Hz"
         )
     v = data["verified"]

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from holonom.app.drives.files import AxisFile
+from holonom.app.drives.tuning.tables import gain_unit
 from holonom.arrays import Array
 from holonom.closed_loop.axis import AxisRun
 from holonom.closed_loop.axis_tuning import AxisTuning, try_gains
@@ -95,12 +96,12 @@ def _sheet(axis: Axis) -> dict[str, str]:
 
 
 def _gains(data: Mapping[str, Any]) -> dict[str, str]:
-    units = {"current": "V/A", "speed": "A s/rad", "position": "1/s"}
     found = {}
     for name, loop in data["loops"].items():
         Ti = "" if loop["Ti"] is None else f", Ti {1e3 * loop['Ti']:.4g} ms"
         margin = f"{loop['phase_margin_deg']:.0f} deg at {loop['crossover'] / (2.0 * math.pi):.4g} Hz"
-        found[f"{name}, {loop['form']}"] = f"Kc {loop['Kc']:.5g} {units[name]}{Ti}; {margin}"
+        unit = gain_unit(name, data["loops"])
+        found[f"{name}, {loop['form']}"] = f"Kc {loop['Kc']:.5g} {unit}{Ti}; {margin}"
     return found
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -81,3 +81,9 @@ def in_si(value: Any, unit: str) -> Any:
     written = unit.replace(" ", "")
     dimension = next((d for d, units in DIMENSIONS.items() if written and units.get(written) == 1.0), None)
     return parse_quantity(value, dimension) if isinstance(value, str) and dimension is not None else value
+
+
+def gain_unit(loop: str, loops: Container[str]) -> str:
+    """Unit of the gain of a loop of an axis, which has these loops."""
+    angle = "A/rad" if "current" in loops else "V/rad"
+    return {"current": "V/A", "speed": "A s/rad", "position": "1/s", "angle": angle}[loop]
