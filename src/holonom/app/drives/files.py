@@ -117,8 +117,12 @@ class AxisFile:
 
 
 def is_drive(path: Path) -> bool:
-    """Whether a TOML file has a `motor` at its top, and no robot, as cells have; what cannot be read is none."""
-    return "motor" in _tables(path) and not is_cell(path)
+    """Whether a TOML file has a `motor` at its top (not several, as load cycles have), and no robot, as cells have.
+
+    What cannot be read has neither.
+    """
+    tables = _tables(path)
+    return "motor" in tables and not isinstance(tables["motor"], list) and not is_cell(path)
 
 
 def is_process(path: Path) -> bool:
