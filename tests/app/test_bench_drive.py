@@ -63,7 +63,7 @@ def test_bench_alone_stays_a_command(capsys: pytest.CaptureFixture[str]) -> None
 @pytest.mark.oracle
 def test_everything_briefly(capsys: pytest.CaptureFixture[str]) -> None:
     """Every law on every arrangement, once, along a straight."""
-    pytest.importorskip("osqp")
+    pytest.importorskip("osqp", reason="OSQP is not installed; pip install -e '.[mpc]'")
     assert main(["bench", "drive", "--small", "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)["driven"]
     assert {row["arrangement"] for row in rows} == set(BASES)

@@ -35,7 +35,7 @@ def test_by_name_with_parameters_and_limits(tmp_path: Path) -> None:
 @pytest.mark.parametrize("law", ["kanayama", "stanley", "pure_pursuit", "mpc"])
 def test_a_cell_drives_by_it(law: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     if law == "mpc":
-        pytest.importorskip("osqp")
+        pytest.importorskip("osqp", reason="OSQP is not installed; pip install -e '.[mpc]'")
     out = tmp_path / "out"
     file = cell(tmp_path, "ackermann", f'law = "{law}"\nposition_tolerance = "30mm"')
     assert main(["run", str(file), "-o", str(out), "--quiet"]) == 0, capsys.readouterr().err

@@ -111,7 +111,7 @@ def test_it_waits_for_slow_steering() -> None:
 
 def test_plans_between_compiled_steps() -> None:
     """MPC: stepped and whole runs plan at the same moments, and give the same bits; a copy drives on by itself."""
-    pytest.importorskip("osqp")
+    pytest.importorskip("osqp", reason="OSQP is not installed; pip install -e '.[mpc]'")
     path = path_of(BASES["ackermann"]())
     loops = [make("ackermann", "mpc", path) for _ in range(2)]
     loops[0].advance_logged(loops[0].buffer(730))

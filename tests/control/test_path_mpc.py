@@ -64,7 +64,7 @@ def solved_otherwise(s: MpcSettings, path: np.ndarray, phase: int, pose: Planar,
 
 
 def test_the_same_program_solved_otherwise() -> None:
-    pytest.importorskip("osqp")
+    pytest.importorskip("osqp", reason="OSQP is not installed; pip install -e '.[mpc]'")
     rng = np.random.default_rng(2)
     settings = MpcSettings(horizon=6, **TIGHT)
     law = LinearMpc(settings)
@@ -94,7 +94,7 @@ def drive(path: np.ndarray, limits: dict[str, float], start: tuple[float, float,
 
 @pytest.mark.parametrize("name", ["line", "backwards", "circle", "chicane", "parking"])
 def test_paths_are_kept_within_limits(name: str) -> None:
-    pytest.importorskip("osqp")
+    pytest.importorskip("osqp", reason="OSQP is not installed; pip install -e '.[mpc]'")
     for start in ((0.0, 0.0, 0.0), (-0.05, 0.1, 0.3)):
         log = drive(PATHS[name], TIGHT, start)
         tail = log if start[1] == 0.0 else log[-1500:]
@@ -111,7 +111,7 @@ def test_paths_are_kept_within_limits(name: str) -> None:
 
 def test_there_is_a_plan_from_every_command_within_the_limits() -> None:
     """Also from far off, and while it rolls the other way, turning as sharply as it may."""
-    pytest.importorskip("osqp")
+    pytest.importorskip("osqp", reason="OSQP is not installed; pip install -e '.[mpc]'")
     rng = np.random.default_rng(3)
     law, path = LinearMpc(MpcSettings(**TIGHT)), PATHS["parking"]
     for phase in rng.integers(0, len(path), 40):

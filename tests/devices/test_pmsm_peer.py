@@ -18,7 +18,11 @@ MOTOR = Pmsm(18e-3, 0.37e-3, 1.2e-3, 66e-3, 3, 0.03883, 300.0, 400.0)
 def test_a_step_and_its_torque_are_the_peers(speed: float) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of the peer's own imports
-        gem = pytest.importorskip("gym_electric_motor", exc_type=ImportError)
+        gem = pytest.importorskip(
+            "gym_electric_motor",
+            reason="gym-electric-motor is not installed; pip install -e '.[oracle]'",
+            exc_type=ImportError,
+        )
         theirs = gem.make("Cont-TC-PMSM-v0").unwrapped.physical_system.electrical_motor
     parameters = theirs.motor_parameter
     values = (MOTOR.resistance, MOTOR.inductance_d, MOTOR.inductance_q, MOTOR.flux, MOTOR.pole_pairs)
