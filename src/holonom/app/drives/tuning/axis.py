@@ -55,7 +55,7 @@ def tune_axis_file(file: TuningFile, rule: str | None = None, output: Path | Non
 
         folder = prepare_output(output)
         (folder / "tuning.json").write_text(json.dumps(data, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-        write_report(folder, read, found, thermal, data)
+        write_report(folder, read, found, thermal, servo, data)
     return Answer(_text(read, data), data)
 
 

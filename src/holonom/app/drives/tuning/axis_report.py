@@ -17,7 +17,7 @@ from holonom.app.drives.tuning.tables import gain_unit
 from holonom.arrays import Array
 from holonom.closed_loop.axis import AxisRun
 from holonom.closed_loop.axis_tuning import AxisTuning, try_gains
-from holonom.control.servo.law_design import servo_loops
+from holonom.control.servo.law_design import Servo, servo_loops
 from holonom.devices.motors.thermal import ThermalModel
 from holonom.plots.axis import draw_bode, draw_spread, draw_steps, draw_torque_speed
 from holonom.sim import Axis
@@ -41,7 +41,7 @@ td.n { text-align: right; font-variant-numeric: tabular-nums; } svg { max-width:
 
 
 def write_report(
-    folder: Path, read: AxisFile, found: AxisTuning, thermal: ThermalModel | None, data: Mapping[str, Any]
+    folder: Path, read: AxisFile, found: AxisTuning, thermal: ThermalModel | None, servo: Servo, data: Mapping[str, Any]
 ) -> None:
     """Write report.html, step.csv, move.csv into a folder.
 
@@ -60,7 +60,7 @@ def write_report(
         f"<h1>{escape(read.motor.title)}</h1><p>{escape(str(read.path.name))}; {escape(read.motor.source)}</p>",
         *(f'<p class="warning">{escape(w["text"])}</p>' for w in data["warnings"]),
         "<h2>The axis</h2>", _table(_sheet(found.axis)),
-        "<h2>Gains</h2>", _table(_gains(data)), _svg(_bode(found)),
+        "<h2>Gains</h2>", _table({"servo": str(servo)} | _gains(data)), _svg(_bode(found)),
         "<h2>A step</h2>", _table(_shown(data)), _svg(_step(found.step)),
         "<h2>A move there and back</h2>", _svg(_move(found.move)),
         "<h2>Torque and speed</h2>", _svg(_plane(found, thermal)),
@@ -90,6 +90,7 @@ def _sheet(axis: Axis) -> dict[str, str]:
         "supply, current limit": f"{m.max_voltage:g} V, {m.max_current:g} A",
         "gear": f"{axis.gear.ratio:g}, efficiency {axis.gear.efficiency:g}",
         "gap": f"{math.degrees(axis.gap):.3g} deg",
+        "stiffness": "rigid" if math.isinf(axis.stiffness) else f"{axis.stiffness:g} N m/rad",
         "load": f"{load.inertia:g} kg m2, {load.coulomb:g} N m Coulomb, {load.viscous:g} N m s/rad",
         "encoder": f"{axis.encoder.counts_per_rev} counts per turn",
     }
