@@ -44,6 +44,7 @@ class BaseLoop:
 
     def __init__(self, controller: BaseController, plant: BasePlant) -> None:
         self.controller, self.plant = controller, plant
+        self._nothing = self.buffer(0)
 
     def place(self, pose: ArrayLike, twist: ArrayLike = (0.0, 0.0, 0.0), lean: float = 0.0) -> None:
         """Put the base at a pose (3,) with a twist (3,) in base_link, and tell its controller.
@@ -72,10 +73,10 @@ class BaseLoop:
         OutOfLimits
             Not a whole number of them, or a negative one.
         """
-        left, nothing = whole_number("ticks", ticks), self.buffer(0)
+        left = whole_number("ticks", ticks)
         while True:
             part = min(left, self.controller.plan())
-            run(*self._arguments(), self.plant.noise(part), nothing)
+            run(*self._arguments(), self.plant.noise(part), self._nothing)
             left -= part
             if left <= 0:
                 return
